@@ -1,0 +1,176 @@
+#include "scenegen/scene.h"
+
+#include "base/error.h"
+#include "base/hash.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace dapple::scenegen {
+namespace {
+
+void hashMesh(base::Hasher& h, const Mesh& mesh) {
+    h.array(std::span<const glm::vec3>(mesh.positions));
+    h.array(std::span<const glm::vec3>(mesh.normals));
+    h.array(std::span<const glm::vec2>(mesh.uvs));
+    h.array(std::span<const uint32_t>(mesh.indices));
+    h.value(mesh.material);
+}
+
+void requireFinite(bool ok, const std::string& scene, const std::string& what) {
+    if (!ok) throw base::UsageError(fmt::format("scene {}: {} is not finite (NaN or infinite)", scene, what));
+}
+
+void validateMesh(const Scene& scene, const Prototype& prototype, const Mesh& mesh) {
+    const auto fail = [&](const char* why) {
+        throw base::UsageError(fmt::format("scene {}: prototype '{}': {}", scene.name, prototype.name, why));
+    };
+    if (mesh.material >= scene.materials.size()) fail("a mesh names a material that does not exist");
+    if (mesh.normals.size() != mesh.positions.size()) fail("a mesh has not one normal per position");
+    if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) fail("a mesh has not one texture coordinate per position");
+    if (scene.materials[mesh.material].texture >= 0 && mesh.uvs.empty()) fail("a textured mesh has no texture coordinates");
+    if (mesh.indices.size() % 3 != 0) fail("a mesh has a number of indices that is not a multiple of 3");
+    for (const uint32_t i : mesh.indices)
+        if (i >= mesh.positions.size()) fail("an index is beyond the last vertex");
+    for (const glm::vec3& p : mesh.positions) requireFinite(base::allFinite(p), scene.name, "a vertex of '" + prototype.name + "'");
+    for (const glm::vec3& n : mesh.normals) requireFinite(base::allFinite(n), scene.name, "a normal of '" + prototype.name + "'");
+    for (const glm::vec2& t : mesh.uvs) requireFinite(base::allFinite(t), scene.name, "a texture coordinate of '" + prototype.name + "'");
+}
+
+}  // namespace
+
+size_t Prototype::triangles() const {
+    size_t sum = 0;
+    for (const Mesh& mesh : meshes) sum += mesh.triangles();
+    return sum;
+}
+
+base::Box Prototype::box() const {
+    base::Box box;
+    for (const Mesh& mesh : meshes)
+        for (const glm::vec3& p : mesh.positions) box.extend(p);
+    return box;
+}
+
+glm::dvec3 Sun::direction() const {
+    const double a = glm::radians(azimuth), e = glm::radians(elevation);
+    // The zenith must be exact: cos(90°) is 6e-17, and techniques branch on "parallel to the vertical".
+    const double c = elevation == 90.0 ? 0.0 : std::cos(e);
+    return -glm::dvec3(std::sin(a) * c, std::cos(a) * c, std::sin(e));
+}
+
+base::Box instanceBox(const base::Box& prototypeBox, const Instance& instance) {
+    base::Box box;
+    if (prototypeBox.empty()) return box;
+    const float c = std::cos(instance.yaw) * instance.scale, s = std::sin(instance.yaw) * instance.scale;
+    for (int i = 0; i < 8; ++i) {
+        const glm::vec3 p = prototypeBox.corner(i);
+        box.extend(instance.translation + glm::vec3(c * p.x - s * p.y, s * p.x + c * p.y, instance.scale * p.z));
+    }
+    return box;
+}
+
+Facts Scene::facts() const {
+    Facts f;
+    f.prototypes = prototypes.size();
+    f.materials = materials.size();
+    f.instances = instances.size();
+    f.closed = true;
+    std::vector<base::Box> boxes;
+    for (const Prototype& p : prototypes) {
+        boxes.push_back(p.box());
+        f.uniqueTriangles += p.triangles();
+    }
+    for (const Instance& instance : instances) {
+        const Prototype& p = prototypes[instance.prototype];
+        f.box.extend(instanceBox(boxes[instance.prototype], instance));
+        f.triangles += p.triangles();
+        f.scaled |= instance.scale != 1.0f;
+        for (const Mesh& mesh : p.meshes) f.alphaTested |= materials[mesh.material].alphaTested && mesh.triangles() > 0;
+        if (p.castsShadow && p.triangles() > 0) {
+            f.casters = true;
+            f.closed &= p.closed;
+            f.rotated |= instance.yaw != 0.0f;
+        }
+    }
+    f.closed &= f.casters;
+    f.receivers = f.triangles > 0;
+    return f;
+}
+
+uint64_t Scene::contentHash() const {
+    base::Hasher h;
+    h.value(origin);
+    for (const Texture& t : textures) {
+        h.value(t.image.width);
+        h.value(t.image.height);
+        h.array(std::span<const uint8_t>(t.image.texels));
+    }
+    for (const Material& m : materials) {
+        h.value(m.albedo);
+        h.value(m.specular);
+        h.value(m.shininess);
+        h.value(m.texture);
+        h.value(m.alphaTested);
+        h.value(m.doubleSided);
+    }
+    for (const Prototype& p : prototypes) {
+        h.value(p.castsShadow);
+        h.value(p.closed);
+        for (const Mesh& mesh : p.meshes) hashMesh(h, mesh);
+    }
+    h.array(std::span<const Instance>(instances));
+    for (const View& v : views) {
+        h.value(v.eye);
+        h.value(v.forward);
+        h.value(v.up);
+        h.value(v.fovY);
+        h.value(v.near);
+        h.value(v.far);
+    }
+    h.value(sun.azimuth);
+    h.value(sun.elevation);
+    return h.digest();
+}
+
+size_t Scene::viewIndex(const std::string& viewName) const {
+    std::vector<std::string> known;
+    for (size_t i = 0; i < views.size(); ++i) {
+        if (views[i].name == viewName) return i;
+        known.push_back(views[i].name);
+    }
+    throw base::UsageError(fmt::format("scene {}: {}", name, base::unknownName("view", viewName, known)));
+}
+
+void validate(const Scene& scene) {
+    const auto fail = [&](const std::string& why) { throw base::UsageError(fmt::format("scene {}: {}", scene.name, why)); };
+    requireFinite(base::allFinite(scene.origin), scene.name, "the origin");
+    requireFinite(std::isfinite(scene.sun.azimuth) && std::isfinite(scene.sun.elevation), scene.name, "the sun");
+    for (const Material& m : scene.materials) {
+        requireFinite(base::allFinite(m.albedo) && std::isfinite(m.specular) && std::isfinite(m.shininess), scene.name,
+                      "material '" + m.name + "'");
+        if (m.texture >= int(scene.textures.size())) fail("material '" + m.name + "' names a texture that does not exist");
+        if (m.alphaTested && m.texture < 0) fail("material '" + m.name + "' is alpha-tested but has no texture");
+    }
+    for (const Prototype& p : scene.prototypes)
+        for (const Mesh& mesh : p.meshes) validateMesh(scene, p, mesh);
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        if (instance.prototype >= scene.prototypes.size()) fail(fmt::format("instance {} names a prototype that does not exist", i));
+        requireFinite(base::allFinite(instance.translation) && std::isfinite(instance.scale) && std::isfinite(instance.yaw),
+                      scene.name, fmt::format("the transform of instance {}", i));
+        if (instance.scale <= 0) fail(fmt::format("instance {} has scale {}; it must be above 0", i, instance.scale));
+    }
+    if (scene.views.empty()) fail("it has no view");
+    for (const View& v : scene.views) {
+        const bool finite = base::allFinite(v.eye) && base::allFinite(v.forward) && base::allFinite(v.up);
+        requireFinite(finite && std::isfinite(v.fovY) && std::isfinite(v.near) && std::isfinite(v.far), scene.name,
+                      "view '" + v.name + "'");
+        if (!(v.near > 0 && v.far > v.near)) fail(fmt::format("view '{}': near {} and far {} must satisfy 0 < near < far", v.name, v.near, v.far));
+        if (!(v.fovY > 0 && v.fovY < 180)) fail(fmt::format("view '{}': fovY {} must lie between 0 and 180 degrees", v.name, v.fovY));
+        if (glm::length(glm::cross(v.forward, v.up)) < 1e-9) fail("view '" + v.name + "': forward and up are parallel");
+    }
+}
+
+}  // namespace dapple::scenegen

@@ -1,0 +1,125 @@
+#pragma once
+
+#include "base/image.h"
+#include "base/math.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// The scene: what a recipe or a file becomes, and all that the renderer and the reference read.
+///
+/// Space. World is right-handed, metres, z up. World point of a prototype's vertex p under an instance:
+///     scene.origin + instance.translation + scale · Rz(yaw) · p
+/// `origin` alone is double: moving a scene 1,000 km changes only it, so nothing else loses a bit.
+/// Texture coordinates: (0,0) is the first texel of the image's top row, v grows downwards; wrap = repeat.
+namespace dapple::scenegen {
+
+struct Texture {
+    std::string name;
+    base::Image8 image;  ///< RGBA, sRGB colour, linear alpha
+};
+
+struct Material {
+    std::string name;
+    glm::vec3 albedo{0.5f};      ///< linear, multiplies the texture
+    float specular = 0.0f;       ///< strength of the highlight, 0…1
+    float shininess = 16.0f;     ///< Blinn-Phong exponent
+    int texture = -1;            ///< index into Scene::textures; -1 = none
+    bool alphaTested = false;    ///< fragments with texture alpha < kAlphaCutoff do not exist
+    bool doubleSided = true;     ///< false: back faces are never seen, the mesh is closed
+};
+/// One threshold for camera, maps and reference alike: a difference would be booked as aliasing.
+inline constexpr float kAlphaCutoff = 0.5f;
+
+/// Triangles of one material, in the prototype's space. positions, normals and uvs are parallel.
+struct Mesh {
+    std::vector<glm::vec3> positions;  ///< metres
+    std::vector<glm::vec3> normals;    ///< unit length, outward
+    std::vector<glm::vec2> uvs;        ///< empty when the material has no texture
+    std::vector<uint32_t> indices;     ///< 3 per triangle, counter-clockwise seen from outside
+    uint32_t material = 0;             ///< index into Scene::materials
+
+    size_t triangles() const { return indices.size() / 3; }
+};
+
+/// What is drawn once per instance: a tree, a house, the ground.
+struct Prototype {
+    std::string name;
+    std::vector<Mesh> meshes;
+    bool castsShadow = true;  ///< false: a receiver only (ground, sky-facing terrain without overhangs)
+    bool closed = false;      ///< every mesh is a closed, oriented 2-manifold (tested, not declared by hand)
+
+    size_t triangles() const;
+    base::Box box() const;  ///< prototype space; empty when there is no vertex
+};
+
+/// A similarity about the vertical: what an instanced shadow map can share.
+struct Instance {
+    glm::vec3 translation{0};  ///< metres from Scene::origin
+    float scale = 1;           ///< > 0, uniform
+    float yaw = 0;             ///< radians about +z, counter-clockwise seen from above
+    uint32_t prototype = 0;
+};
+static_assert(sizeof(Instance) <= 32);
+
+/// A named camera pose. `eye` is in metres from Scene::origin.
+struct View {
+    std::string name;
+    glm::dvec3 eye{0};
+    glm::dvec3 forward{0, 1, 0};  ///< unit
+    glm::dvec3 up{0, 0, 1};       ///< unit, not parallel to forward
+    double fovY = 60;             ///< vertical field of view, degrees
+    double near = 0.3, far = 300; ///< metres
+};
+
+struct Sun {
+    double azimuth = 135;    ///< degrees, direction TO the sun, clockwise from north (+y) seen from above
+    double elevation = 45;   ///< degrees above the horizon; ≤ 0: no direct light
+
+    /// Unit direction in which the light travels (away from the sun).
+    glm::dvec3 direction() const;
+};
+
+/// What a scene has, derived from its content and never declared: later stages leave out what is absent.
+struct Facts {
+    bool alphaTested = false;    ///< some material of a used prototype is alpha-tested
+    bool rotated = false;        ///< some instance of a casting prototype has yaw ≠ 0 (mod 2π)
+    bool scaled = false;         ///< some instance has scale ≠ 1
+    bool closed = false;         ///< every casting prototype is closed
+    bool moving = false;         ///< something is animated
+    bool casters = false;        ///< there is at least one casting triangle
+    bool receivers = false;      ///< there is at least one triangle
+    size_t instances = 0, prototypes = 0, materials = 0;
+    size_t triangles = 0;        ///< over all instances
+    size_t uniqueTriangles = 0;  ///< over the prototypes
+    base::Box box;               ///< of all instances, metres from Scene::origin
+};
+
+struct Scene {
+    std::string name;
+    std::string source;  ///< recipe or file it came from, for run.json
+    glm::dvec3 origin{0};
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+    std::vector<Prototype> prototypes;
+    std::vector<Instance> instances;
+    std::vector<View> views;  ///< at least one
+    Sun sun;
+
+    Facts facts() const;
+    /// Hash of all content but `name` and `source`: equal scenes render equal pixels.
+    uint64_t contentHash() const;
+    /// Index of the named view. Throws UsageError naming the known ones.
+    size_t viewIndex(const std::string& name) const;
+};
+
+/// Box of an instance, metres from Scene::origin: the eight corners of the prototype's box, transformed.
+base::Box instanceBox(const base::Box& prototypeBox, const Instance& instance);
+
+/// Throws UsageError, with the offending item, if any number is not finite, an index is out of range, a
+/// scale is ≤ 0 or there is no view: everything behind this call may rely on it.
+void validate(const Scene& scene);
+
+}  // namespace dapple::scenegen

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace dapple::base {
+
+/// Everything a person reads while the program runs goes to stderr; stdout carries data only.
+void logInfo(std::string_view line);
+void logWarning(std::string_view line);
+
+/// Progress of one long job. On a terminal: a bar with an estimate of the time left, redrawn in place.
+/// Elsewhere: one plain line every 30 s. Silent until the job has taken two seconds.
+class Progress {
+public:
+    /// `total` steps of `what` ("points", "instances").
+    Progress(std::string title, size_t total);
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+    /// `done` steps are finished; `detail` names the one under way.
+    void update(size_t done, std::string_view detail = {});
+
+private:
+    std::string title_;
+    size_t total_;
+    bool terminal_;
+    bool drawn_ = false;
+    double startSeconds_;
+    double lastSeconds_;
+};
+
+}  // namespace dapple::base
