@@ -1,0 +1,56 @@
+#pragma once
+
+#include "scenegen/scene.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace dapple::truth {
+
+/// Receiver points of one view, as the G-buffer holds them. All arrays are width · height, rows from the top.
+struct Receivers {
+    int width = 0, height = 0;
+    std::vector<glm::vec3> position;  ///< metres, relative to the eye, world axes
+    std::vector<glm::vec3> normal;    ///< geometric, unit, on the viewer's side
+    std::vector<uint8_t> present;     ///< 0 = sky
+};
+
+enum class Label : uint8_t {
+    excluded,   ///< sky, or N_geo · (−l) ≤ 0.02: the surface looks away from the sun or grazes it
+    lit,
+    shadowed,
+    ambiguous,  ///< offsets ε, 4ε and 16ε of the ray's start disagree: no reference can decide
+};
+
+/// The truth for one view and sun, rows from the top.
+struct Reference {
+    int width = 0, height = 0;
+    std::vector<Label> label;
+};
+
+/// Ray-traces shadows of one scene with Embree. Building it costs the acceleration structure; trace() may
+/// then be called for any number of views and suns. Alpha-tested triangles block only where the texture's
+/// alpha, sampled as GL_NEAREST of level 0 with repeat, reaches kAlphaCutoff.
+class Tracer {
+public:
+    explicit Tracer(const scenegen::Scene& scene);
+    ~Tracer();
+    Tracer(Tracer&&) noexcept;
+    Tracer& operator=(Tracer&&) noexcept;
+
+    /// `eye`: metres from Scene::origin; `light`: unit direction in which the light travels.
+    Reference trace(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Reference from the cache folder, or traced and stored there. The key is the content: scene hash,
+/// receivers, eye, light and the version of the tracer. A damaged entry is traced anew.
+Reference cachedReference(const Tracer& tracer, uint64_t sceneHash, const Receivers& receivers, const glm::dvec3& eye,
+                          const glm::dvec3& light, const std::filesystem::path& cacheFolder);
+
+}  // namespace dapple::truth
