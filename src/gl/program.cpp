@@ -1,0 +1,116 @@
+#include "gl/program.h"
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+
+#include <fmt/format.h>
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+namespace dapple::gl {
+namespace fs = std::filesystem;
+namespace {
+
+struct Source {
+    std::string text;
+    std::vector<std::string> files;  // index = GLSL source-string number in #line
+};
+
+/// Appends `file` with its includes expanded, each once, and #line directives that keep the log's lines true.
+void append(Source& source, const std::string& file) {
+    if (std::find(source.files.begin(), source.files.end(), file) != source.files.end()) return;
+    const size_t number = source.files.size();
+    source.files.push_back(file);
+    std::istringstream in(base::readFile(base::homeFolder() / "shaders" / file));
+    source.text += fmt::format("#line 1 {}\n", number);
+    int lineNumber = 0;
+    for (std::string line; std::getline(in, line);) {
+        ++lineNumber;
+        if (line.starts_with("#include \"")) {
+            append(source, line.substr(10, line.rfind('"') - 10));
+            source.text += fmt::format("#line {} {}\n", lineNumber + 1, number);
+        } else {
+            source.text += line + '\n';
+        }
+    }
+}
+
+GLuint compile(GLenum stage, const std::string& file, const std::vector<std::string>& defines) {
+    Source source{"#version 450 core\n", {}};
+    for (const std::string& define : defines) source.text += "#define " + define + '\n';
+    append(source, file);
+    const GLuint shader = glCreateShader(stage);
+    const char* text = source.text.c_str();
+    glShaderSource(shader, 1, &text, nullptr);
+    glCompileShader(shader);
+    GLint ok = 0;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (!ok) {
+        std::string log(4096, '\0');
+        GLsizei length = 0;
+        glGetShaderInfoLog(shader, GLsizei(log.size()), &length, log.data());
+        log.resize(size_t(length));
+        glDeleteShader(shader);
+        std::string files;
+        for (size_t i = 0; i < source.files.size(); ++i) files += fmt::format(" {}=shaders/{}", i, source.files[i]);
+        throw base::UsageError(fmt::format("shader does not compile (sources:{}): {}", files, log));
+    }
+    return shader;
+}
+
+}  // namespace
+
+void deleteProgram(GLuint name) { glDeleteProgram(name); }
+
+Program::Program(const std::string& vertex, const std::string& fragment, const std::vector<std::string>& defines) {
+    const GLuint program = glCreateProgram();
+    handle_ = Handle<deleteProgram>(program);
+    const auto attach = [&](GLenum stage, const std::string& file) {
+        const GLuint shader = compile(stage, file, defines);
+        glAttachShader(program, shader);
+        glDeleteShader(shader);  // freed with the program
+    };
+    attach(GL_VERTEX_SHADER, vertex);
+    if (!fragment.empty()) attach(GL_FRAGMENT_SHADER, fragment);
+    glLinkProgram(program);
+    GLint ok = 0;
+    glGetProgramiv(program, GL_LINK_STATUS, &ok);
+    if (!ok) {
+        std::string log(4096, '\0');
+        GLsizei length = 0;
+        glGetProgramInfoLog(program, GLsizei(log.size()), &length, log.data());
+        log.resize(size_t(length));
+        throw base::UsageError(fmt::format("shaders/{} and shaders/{} do not link: {}", vertex, fragment, log));
+    }
+}
+
+void Program::set(const char* u, int v) const { glProgramUniform1i(name(), location(u), v); }
+void Program::set(const char* u, float v) const { glProgramUniform1f(name(), location(u), v); }
+void Program::set(const char* u, const glm::vec2& v) const { glProgramUniform2fv(name(), location(u), 1, glm::value_ptr(v)); }
+void Program::set(const char* u, const glm::vec3& v) const { glProgramUniform3fv(name(), location(u), 1, glm::value_ptr(v)); }
+void Program::set(const char* u, const glm::vec4& v) const { glProgramUniform4fv(name(), location(u), 1, glm::value_ptr(v)); }
+void Program::set(const char* u, const glm::mat4& v) const {
+    glProgramUniformMatrix4fv(name(), location(u), 1, GL_FALSE, glm::value_ptr(v));
+}
+void Program::set(const char* u, std::span<const glm::mat4> v) const {
+    if (!v.empty()) glProgramUniformMatrix4fv(name(), location(u), GLsizei(v.size()), GL_FALSE, glm::value_ptr(v[0]));
+}
+void Program::set(const char* u, std::span<const glm::vec4> v) const {
+    if (!v.empty()) glProgramUniform4fv(name(), location(u), GLsizei(v.size()), glm::value_ptr(v[0]));
+}
+
+uint64_t shaderTreeHash() {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(base::homeFolder() / "shaders"))
+        if (entry.is_regular_file()) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    base::Hasher hasher;
+    for (const fs::path& file : files) hasher.text(base::readFile(file));
+    return hasher.digest();
+}
+
+}  // namespace dapple::gl

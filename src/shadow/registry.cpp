@@ -1,0 +1,145 @@
+#include "shadow/registry.h"
+
+#include "base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace dapple::shadow {
+namespace {
+
+const std::vector<Axis> kAxes{
+    {"fit", "light-space parametrisation: what the map's window is fitted to",
+     {{"scene", "bounds of the whole scene"},
+      {"frustum", "bounds of the view frustum ∩ scene (focusing)"},
+      {"lispsm", "frustum ∩ scene, warped (Wimmer, Scherzer, Purgathofer 2004)"}}},
+    {"split", "how the view's depth range is divided among maps",
+     {{"none", "one map"}, {"practical", "λ · logarithmic + (1 − λ) · uniform (Zhang et al. 2006)"}}},
+    {"cascades", "number of maps of a split", {}, 1, 8},
+    {"lambda", "weight λ of the logarithmic split", {{"0", "uniform"}, {"0.5", ""}, {"0.75", ""}, {"0.95", ""}, {"1", "logarithmic"}}},
+    {"size", "texels along a side of each map", {}, 1, 32768},
+    {"cull", "casters left out of a map",
+     {{"none", "none"}, {"frustum", "those whose shadow cannot reach the part of the view that the map serves"}}},
+    {"bias", "what moves the receiver off its own surface",
+     {{"constant", "along the light"},
+      {"slope", "along the light, the least that suffices for the receiver's plane and the filter's kernel"},
+      {"normal-offset", "along the geometric normal"}}},
+    {"bias-scale", "factor on the bias: texels for constant and normal-offset, times the sufficient bias for slope",
+     {{"0", ""}, {"0.5", ""}, {"1", ""}, {"2", ""}, {"4", ""}, {"8", ""}}},
+    {"filter", "how texels are compared",
+     {{"nearest", "one texel"}, {"pcf2", "2×2, bilinear weights"}, {"pcf3", "3×3, bilinear weights"}}},
+    {"rotations", "maps per caster type, at equal steps about the vertical", {}, 1, 72},
+    {"mode", "how the two maps nearest to an instance's rotation are combined",
+     {{"nearest", "the nearer one alone"},
+      {"blend", "their binary results, blended"},
+      {"depth", "their depths, interpolated before the comparison (Buntin & Stamminger)"}}},
+    {"sample-frame", "where a receiver enters a rotated map",
+     {{"A", "unrotated: the shadow's direction is exact, the caster's detail is the map's"},
+      {"B", "rotated into the map's object frame: the detail is exact, the sun's azimuth is the map's"}}},
+    {"update", "when maps are rendered",
+     {{"cached", "once; nothing that they depend on changes"}, {"regenerate", "every frame"}}},
+};
+
+Settings mapPreset(const char* fit, const char* split, const char* cascades, const char* size) {
+    return {{"fit", fit},       {"split", split},      {"cascades", cascades},  {"lambda", "0.75"}, {"size", size},
+            {"cull", "frustum"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}};
+}
+
+const std::vector<TechniqueInfo> kTechniques{
+    {"bare", "baseline", "every instance drawn in one forward pass, nothing culled, no shadow: the yardstick", {}},
+    {"unshadowed", "baseline", "the suite's frame without any shadow pass: what every shadow's cost is added to", {}},
+    {"uniform", "map", "one map over the whole scene (Williams 1978)", mapPreset("scene", "none", "1", "2048")},
+    {"focused", "map", "one map over view frustum ∩ scene (Brabec, Annen, Seidel 2002)", mapPreset("frustum", "none", "1", "2048")},
+    {"lispsm", "map", "light-space perspective shadow map (Wimmer, Scherzer, Purgathofer 2004)",
+     mapPreset("lispsm", "none", "1", "2048")},
+    {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024")},
+    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)",
+     {{"size", "512"}, {"rotations", "12"}, {"mode", "depth"}, {"sample-frame", "A"}, {"update", "cached"},
+      {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}}},
+};
+
+template <class Items>
+std::vector<std::string> names(const Items& items) {
+    std::vector<std::string> result;
+    for (const auto& item : items) result.push_back(item.name);
+    return result;
+}
+
+template <class Items>
+const auto& find(const Items& items, const char* kind, const std::string& name) {
+    for (const auto& item : items)
+        if (item.name == name) return item;
+    throw base::UsageError(base::unknownName(kind, name, names(items)));
+}
+
+}  // namespace
+
+std::string Axis::canonical(const std::string& value) const {
+    const auto fail = [&](const std::string& why) { throw base::UsageError(fmt::format("axis {}: {}", name, why)); };
+    if (!values.empty()) {
+        for (const Value& known : values)
+            if (known.name == value) return value;
+        // "0.50" and "1.0" are the numbers 0.5 and 1.
+        double number = 0;
+        const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+        if (error == std::errc{} && end == value.data() + value.size()) {
+            const std::string text = fmt::format("{}", number);
+            for (const Value& known : values)
+                if (known.name == text) return text;
+        }
+        fail(base::unknownName("value", value, names(values)));
+    }
+    long number = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (error != std::errc{} || end != value.data() + value.size()) fail(fmt::format("'{}' is not a whole number", value));
+    if (number < lo || number > hi) fail(fmt::format("{} is outside {} … {}", number, lo, hi));
+    return std::to_string(number);
+}
+
+std::span<const TechniqueInfo> techniques() { return kTechniques; }
+std::span<const Axis> axes() { return kAxes; }
+const TechniqueInfo& technique(const std::string& name) { return find(kTechniques, "technique", name); }
+const Axis& axis(const std::string& name) { return find(kAxes, "axis", name); }
+
+Settings resolve(const TechniqueInfo& info, const Settings& overrides) {
+    Settings settings = info.defaults;
+    for (const auto& [name, value] : overrides) {
+        const Axis& known = axis(name);
+        if (!settings.contains(name)) {
+            std::vector<std::string> own;
+            for (const auto& [key, unused] : info.defaults) own.push_back(key);
+            throw base::UsageError(fmt::format("technique {} has no axis '{}' (it has: {})", info.name, name,
+                                               own.empty() ? "none" : fmt::format("{}", fmt::join(own, ", "))));
+        }
+        settings[name] = known.canonical(value);
+    }
+    return settings;
+}
+
+std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings& settings, const scenegen::Facts&,
+                                       const Limits& limits) {
+    const auto is = [&](const char* axisName, const char* value) {
+        const auto it = settings.find(axisName);
+        return it != settings.end() && it->second == value;
+    };
+    const auto number = [&](const char* axisName) { return std::stol(settings.at(axisName)); };
+    if (info.family == "baseline") return std::nullopt;
+    if (number("size") > limits.maxTextureSize)
+        return fmt::format("size {} is beyond this GL's limit of {} texels", number("size"), limits.maxTextureSize);
+    if (info.family == "map") {
+        if (is("split", "none") && number("cascades") > 1) return "split none has one map, so cascades must be 1";
+        if (is("split", "practical") && number("cascades") == 1) return "a split into 1 is split none";
+        if (is("split", "practical") && is("fit", "scene")) return "fit scene gives every cascade the same window";
+        if (is("split", "none") && !is("lambda", info.defaults.at("lambda").c_str())) return "split none has no λ";
+    }
+    if (info.family == "instanced") {
+        if (is("mode", "depth") && !is("filter", "nearest"))
+            return "interpolated depths have no common texel grid, so mode depth goes with filter nearest";
+        if (is("rotations", "1") && !is("mode", "nearest")) return "one rotation has no second map to combine: mode nearest";
+    }
+    return std::nullopt;
+}
+
+}  // namespace dapple::shadow
