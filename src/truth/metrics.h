@@ -8,7 +8,9 @@
 namespace dapple::truth {
 
 /// Error of a visibility image V against the reference G, over the valid set Ω = {lit, shadowed}.
-/// V is thresholded at ½ for all but meanAbsolute. Shares are of |Ω| unless stated; 0 when Ω is empty.
+/// V is thresholded at ½ (lit from ½ on) for all but meanAbsolute; a V that is not finite is wholly wrong.
+/// Shares are of |Ω| unless stated; 0 when Ω is empty. The boundary of an image is the pixels of Ω with a
+/// 4-neighbour in Ω of the other class: an excluded or ambiguous neighbour makes no edge.
 struct ErrorMetrics {
     double error = 0;                ///< falseShadow + falseLight: the figure of the work-precision diagram
     double falseShadow = 0;          ///< V dark, G lit
@@ -21,7 +23,7 @@ struct ErrorMetrics {
     double valid = 0;                ///< |Ω| / pixels
     double ambiguous = 0;            ///< ambiguous / (|Ω| + ambiguous)
     double shadowed = 0;             ///< G dark / |Ω|
-    /// Distances between the boundaries of V and G, both ways, pixels. Empty when either has no boundary:
+    /// Distances between the boundaries of V and G, both ways pooled, pixels; P95 by nearest rank. Empty when either has no boundary:
     /// then falseLight (a missing shadow) or falseShadow says what is wrong.
     std::optional<double> edgeMean, edgeP95, edgeMax;
 };
@@ -29,10 +31,11 @@ struct ErrorMetrics {
 /// `visibility`: width · height of the reference, rows from the top, 0 = shadow, 1 = lit.
 ErrorMetrics measureError(const Reference& reference, std::span<const float> visibility);
 
-/// Reference floor: the error that a perfect technique would still be charged, because the reference
-/// itself moves when its samples move by half a pixel; 0 for an image without boundary.
-/// Measured, not assumed: share of Ω whose label differs from the 4-neighbour majority's re-tracing is
-/// not available here, so the floor is the share of ambiguous pixels, at least one pixel of Ω.
+/// Reference floor: the error below which a figure says nothing about a technique, a share. It is the
+/// ambiguous share plus the error of half a pixel of discretisation, measured on G itself: half of the mean,
+/// over the four directions, of the share of Ω whose neighbour in that direction (in Ω) carries the other
+/// label. A copy of G shifted by a whole pixel would be charged that mean, one shifted by half a pixel
+/// half of it. 0 for an image without shadow edges and ambiguous pixels.
 double referenceFloor(const Reference& reference);
 
 /// Exact Euclidean distance transform (Felzenszwalb & Huttenlocher 2012): for each pixel the distance in

@@ -1,0 +1,116 @@
+#include "truth/metrics.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+namespace dapple::truth {
+namespace {
+
+constexpr float kBoundaryPixels = 2;  ///< error within this distance of G's boundary is booked as boundary error
+
+bool inOmega(Label label) { return label == Label::lit || label == Label::shadowed; }
+
+/// Calls visit(pixel, neighbour) for every horizontal and vertical pair of pixels that both lie in Ω, once.
+template <class Visit>
+void forPairsInOmega(const Reference& reference, const Visit& visit) {
+    const auto width = size_t(reference.width), height = size_t(reference.height);
+    for (size_t y = 0; y < height; ++y)
+        for (size_t x = 0; x < width; ++x) {
+            const size_t i = y * width + x;
+            if (!inOmega(reference.label[i])) continue;
+            if (x + 1 < width && inOmega(reference.label[i + 1])) visit(i, i + 1);
+            if (y + 1 < height && inOmega(reference.label[i + width])) visit(i, i + width);
+        }
+}
+
+/// Pixels of Ω with a 4-neighbour in Ω of the other class. An excluded or ambiguous neighbour is no edge.
+std::vector<uint8_t> boundaryOf(const Reference& reference, const std::vector<uint8_t>& dark) {
+    std::vector<uint8_t> boundary(dark.size(), 0);
+    forPairsInOmega(reference, [&](size_t a, size_t b) {
+        if (dark[a] != dark[b]) boundary[a] = boundary[b] = 1;
+    });
+    return boundary;
+}
+
+void appendDistances(const std::vector<uint8_t>& from, const std::vector<float>& distanceTo, std::vector<float>& out) {
+    for (size_t i = 0; i < from.size(); ++i)
+        if (from[i]) out.push_back(distanceTo[i]);
+}
+
+void measureEdges(const std::vector<uint8_t>& boundaryG, const std::vector<uint8_t>& boundaryV, const std::vector<float>& toG,
+                  const std::vector<float>& toV, ErrorMetrics& m) {
+    std::vector<float> d;
+    appendDistances(boundaryV, toG, d);
+    appendDistances(boundaryG, toV, d);
+    // One boundary missing: its distances are infinite. Both missing: there are none.
+    if (d.empty() || !std::isfinite(*std::ranges::max_element(d))) return;
+    std::ranges::sort(d);
+    m.edgeMean = std::accumulate(d.begin(), d.end(), 0.0) / double(d.size());
+    m.edgeP95 = d[(95 * d.size() + 99) / 100 - 1];  // nearest rank
+    m.edgeMax = d.back();
+}
+
+struct Counts {
+    size_t omega = 0, ambiguous = 0, shadowed = 0;
+};
+
+Counts count(const Reference& reference) {
+    const auto of = [&](Label l) { return size_t(std::ranges::count(reference.label, l)); };
+    const size_t shadowed = of(Label::shadowed);
+    return {of(Label::lit) + shadowed, of(Label::ambiguous), shadowed};
+}
+
+double share(size_t part, size_t whole) { return whole == 0 ? 0.0 : double(part) / double(whole); }
+
+}  // namespace
+
+ErrorMetrics measureError(const Reference& reference, std::span<const float> visibility) {
+    const size_t pixels = reference.label.size();
+    assert(visibility.size() == pixels);
+    const Counts n = count(reference);
+    ErrorMetrics m;
+    m.valid = share(n.omega, pixels);
+    m.ambiguous = share(n.ambiguous, n.omega + n.ambiguous);
+    m.shadowed = share(n.shadowed, n.omega);
+    if (n.omega == 0) return m;
+
+    std::vector<uint8_t> darkG(pixels), darkV(pixels);
+    for (size_t i = 0; i < pixels; ++i) {
+        darkG[i] = reference.label[i] == Label::shadowed;
+        darkV[i] = !(visibility[i] >= 0.5f);
+    }
+    const std::vector<uint8_t> boundaryG = boundaryOf(reference, darkG), boundaryV = boundaryOf(reference, darkV);
+    const std::vector<float> toG = distanceTransform(boundaryG, reference.width, reference.height);
+    const std::vector<float> toV = distanceTransform(boundaryV, reference.width, reference.height);
+
+    size_t wrong[2][2] = {};  // [false light?][interior?]
+    double sum = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        if (!inOmega(reference.label[i])) continue;
+        const double difference = std::abs(double(visibility[i]) - (darkG[i] ? 0.0 : 1.0));
+        sum += std::isfinite(difference) ? difference : 1.0;  // no visibility at all is wholly wrong
+        if (darkG[i] != darkV[i]) ++wrong[darkG[i]][toG[i] > kBoundaryPixels];
+    }
+    m.meanAbsolute = sum / double(n.omega);
+    m.falseShadowBoundary = share(wrong[0][0], n.omega);
+    m.falseShadowInterior = share(wrong[0][1], n.omega);
+    m.falseLightBoundary = share(wrong[1][0], n.omega);
+    m.falseLightInterior = share(wrong[1][1], n.omega);
+    m.falseShadow = share(wrong[0][0] + wrong[0][1], n.omega);
+    m.falseLight = share(wrong[1][0] + wrong[1][1], n.omega);
+    m.error = share(wrong[0][0] + wrong[0][1] + wrong[1][0] + wrong[1][1], n.omega);
+    measureEdges(boundaryG, boundaryV, toG, toV, m);
+    return m;
+}
+
+double referenceFloor(const Reference& reference) {
+    const Counts n = count(reference);
+    size_t differing = 0;
+    forPairsInOmega(reference, [&](size_t a, size_t b) { differing += reference.label[a] != reference.label[b]; });
+    // Each differing pair is met from both of its ends: 2 · differing over the four directions.
+    return share(n.ambiguous, n.omega + n.ambiguous) + 0.5 * share(2 * differing, 4 * n.omega);
+}
+
+}  // namespace dapple::truth

@@ -1,0 +1,84 @@
+#pragma once
+
+#include "scenegen/scene.h"
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+namespace dapple::truth {
+
+struct ReleaseEmbree {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+using DeviceHandle = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseEmbree>;
+using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseEmbree>;
+
+/// Which texels of a texture block light.
+struct OpacityMask {
+    int width = 0, height = 0;
+    std::vector<uint8_t> opaque;  ///< width · height, rows from the top
+    bool everywhere = true;
+
+    explicit OpacityMask(const base::Image8& image);
+    /// GL_NEAREST of level 0 with GL_REPEAT (OpenGL 4.5, §8.14.3 and table 8.19).
+    bool at(glm::vec2 uv) const;
+};
+
+/// A casting mesh inside Embree. positions and indices are Embree's own buffers, in prototype space.
+struct OccluderMesh {
+    const glm::vec3* positions = nullptr;
+    const glm::uvec3* triangles = nullptr;
+    const OpacityMask* mask = nullptr;                ///< null: every point blocks
+    std::vector<std::array<glm::vec2, 3>> cornerUvs;  ///< per triangle; empty without a mask
+
+    float longestEdge(size_t triangle) const;  ///< metres, prototype space
+    bool opaque(size_t triangle, float u, float v) const;
+};
+
+/// The casters of a scene in Embree's two levels: one acceleration structure per prototype, built once,
+/// and one over the instances, built per eye.
+class Occluders {
+public:
+    /// Throws base::Error when Embree cannot run here or has no memory left.
+    explicit Occluders(const scenegen::Scene& scene);
+
+    struct Instance {
+        glm::vec3 translation;  ///< relative to the eye, metres
+        float scale;
+        uint32_t prototype;
+    };
+    struct Placement {
+        SceneHandle scene;
+        std::vector<Instance> instances;  ///< by Embree's instance id
+    };
+    /// The instances in eye-relative coordinates. Embree computes in floats: with the eye as origin, its
+    /// rounding is proportional to the distance from the eye, as the G-buffer's is, however far the eye
+    /// is from Scene::origin and however large the scene. `eye`: metres from Scene::origin.
+    Placement placeAround(const glm::dvec3& eye) const;
+
+    bool empty() const { return instances_.empty(); }
+    const OccluderMesh& mesh(uint32_t prototype, uint32_t geometry) const { return prototypes_[prototype].meshes[geometry]; }
+    float reach() const { return reach_; }              ///< largest scaled coordinate of a prototype, metres
+    float longestEdge() const { return longestEdge_; }  ///< of all instances, metres
+
+private:
+    struct Prototype {
+        SceneHandle scene;
+        std::vector<OccluderMesh> meshes;
+    };
+    void build(const scenegen::Scene& scene, uint32_t prototype);
+    void requireNoError() const;
+
+    DeviceHandle device_;
+    std::vector<OpacityMask> masks_;     ///< one per texture
+    std::vector<Prototype> prototypes_;  ///< one per prototype of the scene; no scene where it casts nothing
+    std::vector<scenegen::Instance> instances_;
+    float reach_ = 0, longestEdge_ = 0;
+};
+
+}  // namespace dapple::truth

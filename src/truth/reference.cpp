@@ -1,0 +1,161 @@
+#include "truth/reference.h"
+
+#include "base/log.h"
+#include "truth/occluders.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <cmath>
+#include <mutex>
+
+namespace dapple::truth {
+namespace {
+
+constexpr double kGrazing = 0.02;  ///< smallest N · (−l) at which a shadow is defined
+/// A point rebuilt from a reversed-z D32F depth is off by about 1e-6 of its distance; twice that clears it.
+constexpr float kDepthError = 2e-6f;
+/// Embree's hit distance is off by a few roundings of the triangle's size; this clears it.
+constexpr float kEdgeError = 1e-6f;
+/// Ray starts, in multiples of ε; where they disagree the label is ambiguous.
+constexpr float kOffsets[] = {1, 4, 16};
+
+constexpr int kBlock = 4;                  ///< pixels per side of a block
+constexpr int kLanes = kBlock * kBlock;    ///< one block = one packet of parallel, neighbouring rays
+
+float ulp(float x) { return std::nextafter(x, std::numeric_limits<float>::infinity()) - x; }
+float largest(glm::vec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+bool faces(const Receivers& receivers, size_t pixel, const glm::dvec3& toSun) {
+    return receivers.present[pixel] && glm::dot(glm::dvec3(receivers.normal[pixel]), toSun) > kGrazing &&
+           base::allFinite(receivers.position[pixel]);
+}
+
+/// One 4 × 4 block of pixels on its way through Embree.
+struct Packet {
+    alignas(64) int active[kLanes] = {};  ///< −1 = traced, 0 = not (Embree's convention)
+    size_t pixel[kLanes] = {};
+    glm::vec3 position[kLanes] = {}, normal[kLanes] = {};
+    float epsilon[kLanes] = {};
+};
+
+template <class Ray>
+void setRay(Ray& ray, int lane, glm::vec3 start, glm::vec3 direction, float length) {
+    ray.org_x[lane] = start.x;
+    ray.org_y[lane] = start.y;
+    ray.org_z[lane] = start.z;
+    ray.dir_x[lane] = direction.x;
+    ray.dir_y[lane] = direction.y;
+    ray.dir_z[lane] = direction.z;
+    ray.tnear[lane] = 0;
+    ray.tfar[lane] = length;
+    ray.time[lane] = 0;
+    ray.mask[lane] = ~0u;
+    ray.id[lane] = uint32_t(lane);
+    ray.flags[lane] = 0;
+}
+
+/// ε of each lane = 8 ulp(max |p|) + 1e-6 · edge of the triangle that holds the receiver + its depth error.
+/// The G-buffer does not name that triangle, so a short ray through the receiver along its normal finds
+/// it. A receiver that no caster holds has no triangle of its own to hit and needs no edge.
+void setEpsilon(Packet& packet, const Occluders& occluders, const Occluders::Placement& placement) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    alignas(64) RTCRayHit16 probe;
+    const float slack = 8 * ulp(occluders.reach()) + kEdgeError * occluders.longestEdge();
+    for (int i = 0; i < kLanes; ++i) {
+        const glm::vec3 p = packet.position[i], n = packet.normal[i];
+        packet.epsilon[i] = kDepthError * glm::length(p) + 8 * ulp(largest(p));
+        const float reach = kOffsets[2] * packet.epsilon[i] + slack;
+        setRay(probe.ray, i, p + reach * n, -n, 2 * reach);
+        probe.hit.geomID[i] = probe.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    }
+    rtcIntersect16(packet.active, placement.scene.get(), &context, &probe);
+    for (int i = 0; i < kLanes; ++i) {
+        if (!packet.active[i] || probe.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        const Occluders::Instance& instance = placement.instances[probe.hit.instID[0][i]];
+        const OccluderMesh& mesh = occluders.mesh(instance.prototype, probe.hit.geomID[i]);
+        const glm::vec3 p = packet.position[i];
+        // Embree and the rasteriser round in the prototype's space too.
+        const float coordinate = std::max(largest(p), glm::distance(p, instance.translation));
+        packet.epsilon[i] = kDepthError * glm::length(p) + 8 * ulp(coordinate) +
+                            kEdgeError * instance.scale * mesh.longestEdge(probe.hit.primID[i]);
+    }
+}
+
+void label(Packet& packet, const Occluders& occluders, const Occluders::Placement& placement, glm::vec3 toSun, std::vector<Label>& labels) {
+    setEpsilon(packet, occluders, placement);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    int blocked[kLanes] = {};
+    for (const float offset : kOffsets) {
+        alignas(64) RTCRay16 ray;
+        for (int i = 0; i < kLanes; ++i)
+            setRay(ray, i, packet.position[i] + offset * packet.epsilon[i] * packet.normal[i], toSun, std::numeric_limits<float>::infinity());
+        rtcOccluded16(packet.active, placement.scene.get(), &context, &ray);
+        for (int i = 0; i < kLanes; ++i) blocked[i] += ray.tfar[i] < 0;  // Embree marks a hit with −∞
+    }
+    for (int i = 0; i < kLanes; ++i) {
+        if (!packet.active[i]) continue;
+        const bool all = blocked[i] == int(std::size(kOffsets));
+        labels[packet.pixel[i]] = blocked[i] == 0 ? Label::lit : all ? Label::shadowed : Label::ambiguous;
+    }
+}
+
+}  // namespace
+
+struct Tracer::Impl {
+    Occluders occluders;
+};
+
+Tracer::Tracer(const scenegen::Scene& scene) : impl_(new Impl{Occluders(scene)}) {}
+Tracer::~Tracer() = default;
+Tracer::Tracer(Tracer&&) noexcept = default;
+Tracer& Tracer::operator=(Tracer&&) noexcept = default;
+
+Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const {
+    const int width = receivers.width, height = receivers.height;
+    const size_t pixels = size_t(width) * size_t(height);
+    assert(receivers.position.size() == pixels && receivers.normal.size() == pixels && receivers.present.size() == pixels);
+    Reference reference{width, height, std::vector<Label>(pixels, Label::excluded)};
+
+    const glm::dvec3 toSun = -light;
+    const bool day = toSun.z > 0;
+    if (!day || impl_->occluders.empty()) {
+        for (size_t i = 0; i < pixels; ++i)
+            if (faces(receivers, i, toSun)) reference.label[i] = day ? Label::lit : Label::shadowed;
+        return reference;
+    }
+
+    const Occluders::Placement placement = impl_->occluders.placeAround(eye);
+    const int rows = (height + kBlock - 1) / kBlock;
+    base::Progress progress("reference", size_t(rows));
+    std::mutex progressMutex;
+    std::atomic<size_t> done = 0;
+    tbb::parallel_for(0, rows, [&](int row) {
+        for (int x0 = 0; x0 < width; x0 += kBlock) {
+            Packet packet;
+            bool any = false;
+            for (int i = 0; i < kLanes; ++i) {
+                const int x = x0 + i % kBlock, y = row * kBlock + i / kBlock;
+                if (x >= width || y >= height) continue;
+                const size_t pixel = size_t(y) * size_t(width) + size_t(x);
+                if (!faces(receivers, pixel, toSun)) continue;
+                any = true;
+                packet.active[i] = -1;
+                packet.pixel[i] = pixel;
+                packet.position[i] = receivers.position[pixel];
+                packet.normal[i] = receivers.normal[pixel];
+            }
+            if (any) label(packet, impl_->occluders, placement, glm::vec3(toSun), reference.label);
+        }
+        ++done;
+        if (const std::unique_lock lock(progressMutex, std::try_to_lock); lock) progress.update(done);
+    });
+    return reference;
+}
+
+}  // namespace dapple::truth
