@@ -1,0 +1,173 @@
+#include "scenegen/import/file_scene.h"
+
+#include "base/error.h"
+
+#include <assimp/Importer.hpp>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+
+namespace dapple::scenegen {
+namespace fs = std::filesystem;
+namespace {
+
+glm::dmat4 toGlm(const aiMatrix4x4& m) {
+    return glm::transpose(glm::dmat4(m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2, m.d3, m.d4));
+}
+
+glm::dvec3 toGlm(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+char defaultUp(const fs::path& file) {
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    return extension == ".blend" || extension == ".stl" || extension == ".ply" ? 'z' : 'y';
+}
+
+/// Rotation that takes the file's up axis to z. Entries are 0 and ±1: nothing is rounded.
+glm::dmat3 zUpFrom(char up) {
+    if (up == 'x') return {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+    if (up == 'y') return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+    return glm::dmat3(1);
+}
+
+class Reader {
+public:
+    Reader(const fs::path& file, const Sidecar& sidecar)
+        : file_(file), sidecar_(sidecar), axes_(zUpFrom(sidecar.up.value_or(defaultUp(file)))) {}
+
+    FileScene read() {
+        const aiScene& scene = load();
+        const FileMaterials materials = readFileMaterials(scene, file_, sidecar_);
+        result_.textures = materials.textures;
+        result_.materials = materials.materials;
+        for (unsigned i = 0; i < scene.mNumMeshes; ++i) result_.meshes.push_back(convert(*scene.mMeshes[i], materials));
+        visit(*scene.mRootNode, glm::dmat4(1), true);
+        readCameras(scene);
+        readSun(scene);
+        return std::move(result_);
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& why) const { throw base::UsageError(file_.string() + ": " + why); }
+
+    const aiScene& load() {
+        std::error_code error;
+        if (!fs::exists(file_, error)) fail("no such file");
+        if (fs::is_directory(file_, error)) fail("is a folder, not a scene");
+        if (fs::file_size(file_, error) == 0) fail("is empty");
+        importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+        importer_.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 45);
+        importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+        const aiScene* scene = importer_.ReadFile(file_.string(), 0);
+        if (!scene) {
+            std::string why = importer_.GetErrorString();
+            fail("cannot be read as a scene: " + why.substr(0, why.find('\n')));
+        }
+        if (!scene->mRootNode || scene->mNumMeshes == 0) fail("has no mesh");
+        // Before any processing: it must not hide what is not finite.
+        requireFinite(*scene, *scene->mRootNode);
+        scene = importer_.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
+                                              aiProcess_TransformUVCoords | aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
+        if (!scene || scene->mNumMeshes == 0) fail("has no triangle");
+        return *scene;
+    }
+
+    void requireFinite(const aiScene& scene, const aiNode& node) const {
+        if (!base::allFinite(toGlm(node.mTransformation))) fail(fmt::format("node '{}' has a transform that is not finite", node.mName.C_Str()));
+        for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+            const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
+            for (unsigned v = 0; v < mesh.mNumVertices; ++v)
+                if (!base::allFinite(toGlm(mesh.mVertices[v]))) fail(fmt::format("node '{}': vertex {} is not finite", node.mName.C_Str(), v));
+        }
+        for (unsigned i = 0; i < node.mNumChildren; ++i) requireFinite(scene, *node.mChildren[i]);
+    }
+
+    Mesh convert(const aiMesh& source, const FileMaterials& materials) const {
+        Mesh mesh;
+        const unsigned uvChannel = materials.uvChannel[source.mMaterialIndex];
+        const bool hasUv = source.HasTextureCoords(uvChannel);
+        mesh.material = (hasUv ? materials.ofAssimp : materials.flatOfAssimp)[source.mMaterialIndex];
+        const bool textured = materials.materials[mesh.material].texture >= 0;
+        for (unsigned v = 0; v < source.mNumVertices; ++v) {
+            mesh.positions.emplace_back(sidecar_.unit * (axes_ * toGlm(source.mVertices[v])));
+            const glm::dvec3 n = source.HasNormals() ? axes_ * toGlm(source.mNormals[v]) : glm::dvec3(0);
+            mesh.normals.emplace_back(base::allFinite(n) ? n : glm::dvec3(0));
+            if (!textured) continue;
+            const aiVector3D& t = source.mTextureCoords[uvChannel][v];
+            const bool finite = std::isfinite(t.x) && std::isfinite(t.y);
+            mesh.uvs.emplace_back(finite ? t.x : 0.0f, finite ? t.y : 0.0f);
+        }
+        for (unsigned f = 0; f < source.mNumFaces; ++f) {
+            const aiFace& face = source.mFaces[f];
+            if (face.mNumIndices == 3) mesh.indices.insert(mesh.indices.end(), face.mIndices, face.mIndices + 3);
+        }
+        return mesh;
+    }
+
+    /// A transform between file spaces as one between ours: positions are turned and scaled on both sides.
+    glm::dmat4 conjugate(const glm::dmat4& m) const {
+        glm::dmat4 r(axes_ * glm::dmat3(m) * glm::transpose(axes_));
+        r[3] = glm::dvec4(sidecar_.unit * (axes_ * glm::dvec3(m[3])), 1);
+        return r;
+    }
+
+    void visit(const aiNode& node, const glm::dmat4& worldFromParent, bool castsShadow) {
+        const std::string name = node.mName.C_Str();
+        if (matchesAny(name, sidecar_.drop)) return;
+        castsShadow = castsShadow && !matchesAny(name, sidecar_.receivers);
+        const glm::dmat4 world = worldFromParent * toGlm(node.mTransformation);
+        worldFromNode_.emplace(name, world);
+        if (node.mNumMeshes > 0) result_.objects.push_back({name, conjugate(world), {node.mMeshes, node.mMeshes + node.mNumMeshes}, castsShadow});
+        for (unsigned i = 0; i < node.mNumChildren; ++i) visit(*node.mChildren[i], world, castsShadow);
+    }
+
+    void readCameras(const aiScene& scene) {
+        for (unsigned i = 0; i < scene.mNumCameras; ++i) {
+            const aiCamera& camera = *scene.mCameras[i];
+            const auto node = worldFromNode_.find(camera.mName.C_Str());
+            if (node == worldFromNode_.end()) continue;
+            View view;
+            view.name = camera.mName.length > 0 ? camera.mName.C_Str() : fmt::format("camera{}", i);
+            view.eye = sidecar_.unit * (axes_ * glm::dvec3(node->second * glm::dvec4(toGlm(camera.mPosition), 1)));
+            view.forward = axes_ * glm::dmat3(node->second) * toGlm(camera.mLookAt);
+            view.up = axes_ * glm::dmat3(node->second) * toGlm(camera.mUp);
+            if (!(glm::length(glm::cross(view.forward, view.up)) > 1e-9)) continue;
+            view.forward = glm::normalize(view.forward);
+            view.up = glm::normalize(view.up);
+            const double aspect = camera.mAspect > 0 ? double(camera.mAspect) : 4.0 / 3.0;
+            const double fov = glm::degrees(2 * std::atan(std::tan(double(camera.mHorizontalFOV) / 2) / aspect));
+            if (fov > 1 && fov < 170) view.fovY = fov;
+            view.far = 0;
+            result_.views.push_back(view);
+        }
+    }
+
+    void readSun(const aiScene& scene) {
+        for (unsigned i = 0; i < scene.mNumLights && !result_.sun; ++i) {
+            const aiLight& light = *scene.mLights[i];
+            const auto node = worldFromNode_.find(light.mName.C_Str());
+            if (light.mType != aiLightSource_DIRECTIONAL || node == worldFromNode_.end()) continue;
+            const glm::dvec3 toSun = -(axes_ * glm::dmat3(node->second) * toGlm(light.mDirection));
+            if (!(toSun.z > 1e-3 * glm::length(toSun))) continue;
+            const double azimuth = glm::degrees(std::atan2(toSun.x, toSun.y));
+            result_.sun = Sun{azimuth < 0 ? azimuth + 360 : azimuth, glm::degrees(std::asin(std::min(1.0, toSun.z / glm::length(toSun))))};
+        }
+    }
+
+    fs::path file_;
+    const Sidecar& sidecar_;
+    glm::dmat3 axes_;
+    Assimp::Importer importer_;
+    std::map<std::string, glm::dmat4> worldFromNode_;
+    FileScene result_;
+};
+
+}  // namespace
+
+FileScene readFileScene(const fs::path& file, const Sidecar& sidecar) { return Reader(file, sidecar).read(); }
+
+}  // namespace dapple::scenegen

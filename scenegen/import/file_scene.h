@@ -1,0 +1,42 @@
+#pragma once
+
+#include "scenegen/import/sidecar.h"
+#include "scenegen/scene.h"
+
+#include <filesystem>
+
+struct aiScene;
+
+namespace dapple::scenegen {
+
+/// A scene file in our axes and units, before it is cut into prototypes.
+struct FileScene {
+    /// A node with meshes. worldFromObject maps mesh positions to the file's world (z up, metres).
+    struct Object {
+        std::string name;
+        glm::dmat4 worldFromObject{1};
+        std::vector<uint32_t> meshes;
+        bool castsShadow = true;
+    };
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+    std::vector<Mesh> meshes;  ///< may hold degenerate triangles
+    std::vector<Object> objects;
+    std::vector<View> views;  ///< the file's cameras, eye in its world; far = 0: to be chosen
+    std::optional<Sun> sun;   ///< the file's first directional light that shines downwards
+};
+
+/// Reads `file` with Assimp. Throws the UsageErrors of importFile().
+FileScene readFileScene(const std::filesystem::path& file, const Sidecar& sidecar);
+
+/// Materials of `file` with their textures, equal ones merged.
+struct FileMaterials {
+    std::vector<Texture> textures;
+    std::vector<Material> materials;
+    std::vector<uint32_t> ofAssimp;      ///< index into materials, per Assimp material
+    std::vector<uint32_t> flatOfAssimp;  ///< the same without texture, for meshes without coordinates
+    std::vector<unsigned> uvChannel;     ///< texture coordinate set, per Assimp material
+};
+FileMaterials readFileMaterials(const aiScene& scene, const std::filesystem::path& file, const Sidecar& sidecar);
+
+}  // namespace dapple::scenegen

@@ -1,0 +1,39 @@
+#include "scenegen/import/import.h"
+
+#include "base/error.h"
+#include "base/log.h"
+#include "scenegen/import/auto_views.h"
+#include "scenegen/import/file_scene.h"
+#include "scenegen/import/prototypes.h"
+#include "scenegen/import/sidecar.h"
+
+#include <fmt/format.h>
+
+namespace dapple::scenegen {
+
+Scene importFile(const std::filesystem::path& file) {
+    const Sidecar sidecar = readSidecar(file);
+    FileScene content = readFileScene(file, sidecar);
+
+    Scene scene;
+    scene.name = file.stem().string();
+    scene.source = file.string();
+    const CutCounts counts = cutIntoPrototypes(content, sidecar.cell, scene);
+    if (counts.degenerate > 0) base::logWarning(fmt::format("{}: {} degenerate triangles dropped", file.string(), counts.degenerate));
+    const Facts facts = scene.facts();
+    if (facts.triangles == 0) throw base::UsageError(file.string() + ": has no triangle");
+    if (!base::allFinite(facts.box.lo) || !base::allFinite(facts.box.hi))
+        throw base::UsageError(file.string() + ": its extent is beyond what float can hold");
+
+    scene.sun = sidecar.sun ? *sidecar.sun : content.sun.value_or(Sun{});
+    for (View view : sidecar.views.empty() ? content.views : sidecar.views) {
+        view.eye -= scene.origin;
+        if (view.far == 0) view.far = chooseFar(facts.box, view.eye, view.near);
+        scene.views.push_back(std::move(view));
+    }
+    if (scene.views.empty()) scene.views = chooseViews(scene);
+    validate(scene);
+    return scene;
+}
+
+}  // namespace dapple::scenegen

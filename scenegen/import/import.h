@@ -1,0 +1,33 @@
+#pragma once
+
+#include "scenegen/library.h"
+#include "scenegen/scene.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace dapple::scenegen {
+
+/// Any file that Assimp opens (glTF 2.0, OBJ, AC3D, Blender, COLLADA, …) as a scene.
+///
+/// Up axis: y for every format as Assimp delivers it (glTF, OBJ, AC3D; COLLADA and 3DS are turned by
+/// Assimp), except z for .blend, .stl and .ply. Units are metres. Alpha testing and closedness are derived
+/// from the content, meshes that several nodes use become one prototype with several instances, and
+/// sun and views come from the file or are chosen (scenegen/import/auto_views.h).
+/// A small TOML beside the file, NAME.toml for NAME.ext, overrides all this: scenegen/import/sidecar.h.
+///
+/// The result is validate()d. Throws UsageError naming the file: missing, empty, truncated, not a scene,
+/// without a triangle, or with a vertex or node transform that is not finite (naming the node).
+Scene importFile(const std::filesystem::path& file);
+
+/// Scenes that scenegen/import/fetch_real prepares in base::cacheFolder()/real, sorted by name; the
+/// description says whether the scene is there already.
+std::vector<SceneEntry> listRealScenes();
+
+bool isRealScene(const std::string& name);
+
+/// File of the real scene `name`. Throws UsageError: not a real scene, or not fetched yet (with the command).
+std::filesystem::path realScenePath(const std::string& name);
+
+}  // namespace dapple::scenegen
