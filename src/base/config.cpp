@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <utility>
 
 namespace dapple::base {
@@ -24,6 +25,7 @@ struct ConfigTable::Impl {
         return table->get(key);
     }
     std::string where(const toml::node* node) const {
+        if (node && node->source().path && *node->source().path != file) return *node->source().path;
         const auto line = node ? node->source().begin.line : table->source().begin.line;
         return line > 0 ? fmt::format("{}:{}", file, line) : file;
     }
@@ -63,6 +65,43 @@ ConfigTable ConfigTable::parseText(std::string_view text, const std::string& nam
     } catch (const toml::parse_error& e) {
         throw UsageError(fmt::format("{}:{}: not valid TOML: {}", name, e.source().begin.line, e.description()));
     }
+}
+
+void ConfigTable::set(const std::string& setting) {
+    const size_t equals = setting.find('=');
+    if (equals == 0 || equals == std::string::npos) throw UsageError(fmt::format("setting '{}': must be key=value", setting));
+    const std::string name = fmt::format("setting '{}'", setting), value = setting.substr(equals + 1);
+    toml::table parsed;
+    try {
+        parsed = toml::parse("v = " + value, name);
+    } catch (const toml::parse_error&) {
+        toml::table text;
+        text.insert("v", value);
+        std::ostringstream quoted;
+        quoted << text;
+        parsed = toml::parse(quoted.str(), name);
+    }
+
+    toml::node* node = impl_->document.get();
+    std::string path = setting.substr(0, equals);
+    for (size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.')) {
+        const std::string step = path.substr(0, dot);
+        path.erase(0, dot + 1);
+        const bool index = !step.empty() && step.size() < 9 && step.find_first_not_of("0123456789") == std::string::npos;
+        toml::node* child = nullptr;
+        if (node->is_table()) child = node->as_table()->get(step);
+        if (node->is_array() && index) child = node->as_array()->get(size_t(std::stoul(step)));
+        if (!child) {
+            std::vector<std::string> known;
+            if (node->is_table())
+                for (const auto& [key, value_] : *node->as_table()) known.emplace_back(key.str());
+            throw UsageError(fmt::format("{}: {} in {}", name, unknownName("table", step, known), impl_->file));
+        }
+        node = child;
+    }
+    toml::table* table = node->as_table();
+    if (!table) throw UsageError(fmt::format("{}: '{}' is not within a table of {}", name, path, impl_->file));
+    parsed.get("v")->visit([&](auto& leaf) { table->insert_or_assign(path, std::move(leaf)); });
 }
 
 bool ConfigTable::has(std::string_view key) const { return impl_->find(key) != nullptr; }

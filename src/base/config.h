@@ -27,6 +27,10 @@ public:
     ConfigTable(ConfigTable&&) noexcept;
     ~ConfigTable();
 
+    /// Replaces or adds a value before anything is read: "ground.size=50", "species.0.triangles=900"; the value is
+    /// TOML, or a text when it is not. Call it on a root table. Errors about the value name the setting.
+    void set(const std::string& setting);
+
     bool has(std::string_view key) const;
     std::vector<std::string> keys() const;  ///< in the file's order of lines
 

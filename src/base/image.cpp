@@ -97,15 +97,17 @@ Image8 readImage(const fs::path& path) {
     return decodeImage({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, path.string());
 }
 
-void writePng(const fs::path& path, const Image8& image) {
+std::string encodePng(const Image8& image) {
     std::string bytes;
     const auto append = [](void* context, void* data, int size) {
         static_cast<std::string*>(context)->append(static_cast<const char*>(data), size_t(size));
     };
     stbi_write_png_to_func(append, &bytes, image.width, image.height, image.channels, image.texels.data(),
                            image.width * image.channels);
-    writeFile(path, bytes);
+    return bytes;
 }
+
+void writePng(const fs::path& path, const Image8& image) { writeFile(path, encodePng(image)); }
 
 void writeExr(const fs::path& path, const ImageF& image) {
     if (!path.parent_path().empty()) requireWritableFolder(path.parent_path());

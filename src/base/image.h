@@ -28,6 +28,7 @@ struct ImageF {
 Image8 decodeImage(std::span<const uint8_t> bytes, const std::string& name);
 Image8 readImage(const std::filesystem::path& path);
 
+std::string encodePng(const Image8& image);
 /// Whole or not at all, like writeFile().
 void writePng(const std::filesystem::path& path, const Image8& image);
 /// 32-bit float EXR with channels named Y; R,G; R,G,B or R,G,B,A by their count.

@@ -1,0 +1,57 @@
+#include "scenegen/library.h"
+
+#include "base/error.h"
+#include "base/file.h"
+#include "scenegen/import/import.h"
+#include "scenegen/recipe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace dapple::scenegen {
+namespace fs = std::filesystem;
+namespace {
+
+void refuseSettings(const std::string& name, const std::vector<std::string>& settings) {
+    if (settings.empty()) return;
+    throw base::UsageError(fmt::format("setting '{}': only recipes have settings; {} is read from a file", settings[0], name));
+}
+
+}  // namespace
+
+std::vector<SceneEntry> listScenes() {
+    std::vector<SceneEntry> scenes;
+    for (const auto& entry : fs::directory_iterator(base::homeFolder() / "scenegen/scenes"))
+        if (entry.path().extension() == ".toml") scenes.push_back({entry.path().stem().string(), recipeDescription(entry.path())});
+    std::sort(scenes.begin(), scenes.end(), [](const SceneEntry& a, const SceneEntry& b) { return a.name < b.name; });
+    return scenes;
+}
+
+Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& settings) {
+    const fs::path given(nameOrFile), recipe = base::homeFolder() / "scenegen/scenes" / (nameOrFile + ".toml");
+    const bool named = !given.empty() && !given.has_extension() && !given.has_parent_path();
+    Scene scene;
+    if (named && fs::exists(recipe)) {
+        scene = readRecipe(recipe, settings);
+        scene.source = nameOrFile;
+    } else if (isRealScene(nameOrFile)) {
+        refuseSettings(nameOrFile, settings);
+        scene = importFile(realScenePath(nameOrFile));
+    } else if (named && !fs::exists(given)) {
+        std::vector<std::string> known;
+        for (const auto& entries : {listScenes(), listRealScenes()})
+            for (const SceneEntry& entry : entries) known.push_back(entry.name);
+        throw base::UsageError(base::unknownName("scene", nameOrFile, known));
+    } else if (given.extension() == ".toml") {
+        scene = readRecipe(given, settings);
+    } else {
+        refuseSettings(nameOrFile, settings);
+        scene = importFile(given);
+    }
+    validate(scene);
+    return scene;
+}
+
+}  // namespace dapple::scenegen

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "scenegen/plants/species.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace dapple::scenegen {
+
+/// A cross-section of a stem.
+struct Ring {
+    glm::dvec3 centre;  ///< metres, foot of the tree at the origin, z up
+    glm::dmat3 frame;   ///< columns x, y across the stem, z along it
+    double radius;      ///< metres, of the surface (the cage's is larger)
+    double offset;      ///< metres along the stem from its root
+};
+
+/// Frame and radius on a stem's surface, that is, after subdivision of its cage.
+struct StemPoint {
+    glm::dvec3 centre;
+    glm::dmat3 frame;
+    double radius;
+};
+
+struct Stem {
+    int level = 0;
+    int parent = -1;         ///< index; a clone (a fork) has the level of its parent
+    double length = 0;       ///< metres, of the whole stem that a clone continues
+    double radius = 0;       ///< metres, at the root
+    double start = 0;        ///< offset at which a clone leaves; 0 for others
+    double crown = 0;        ///< offset of the first child
+    double parentOffset = 0; ///< where on the parent it begins, metres along the parent
+    double leafShare = 1;    ///< factor on the leaves of a twig, from its place on its parent
+    double bury = 0;         ///< a trunk goes on below the ground, which undulates: metres
+    std::vector<Ring> rings; ///< at least two
+
+    /// Centre of ring i of the control cage. The ends lie beyond the stem's by a third of a segment: the limit
+    /// surface retreats at a cap (vertices of valence 3) by a quarter of the cage's last segment.
+    glm::dvec3 cageCentre(size_t i) const;
+
+    /// Of the subdivision surface, which is a uniform cubic B-spline along the stem. `offset` is clamped.
+    StemPoint at(double offset) const;
+};
+
+struct Skeleton {
+    std::vector<Stem> stems;  ///< a parent stands before its children
+};
+
+/// Weber and Penn (1995), sections 4.1-4.8. The same species and seed give the same bits everywhere.
+/// Not offered: the pruning envelope, helical stems (negative CurveV), wind.
+Skeleton growSkeleton(const Species& species, uint64_t seed);
+
+/// Takes every second ring away, and moves what grows on a stem along with its surface.
+void thinRings(Skeleton& skeleton);
+
+}  // namespace dapple::scenegen

@@ -1,0 +1,118 @@
+#include "scenegen/plants/species.h"
+
+#include "base/detmath.h"
+#include "base/error.h"
+#include "base/file.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace dapple::scenegen {
+namespace {
+
+glm::vec3 readAlbedo(base::ConfigTable& table, const char* key) {
+    const std::vector<double> v = table.numbers(key, 3);
+    for (const double c : v)
+        if (c < 0 || c > 1) table.fail(key, "an albedo lies between 0 and 1");
+    return {float(v[0]), float(v[1]), float(v[2])};
+}
+
+LevelParameters readLevel(base::ConfigTable& t) {
+    LevelParameters p;
+    p.length = t.number("length", p.length, 0.01, 10);
+    p.lengthV = t.number("lengthV", 0, 0, 1);
+    if (p.lengthV >= p.length) t.fail("lengthV", "must be below length: a stem would have no length");
+    p.taper = t.number("taper", p.taper, 0, 3);
+    p.curveRes = int(t.integer("curveRes", p.curveRes, 1, 40));
+    p.curve = t.number("curve", 0, -360, 360);
+    p.curveBack = t.number("curveBack", 0, -360, 360);
+    p.curveV = t.number("curveV", 0, 0, 360);
+    p.segSplits = t.number("segSplits", 0, 0, 3);
+    p.splitAngle = t.number("splitAngle", 0, 0, 90);
+    p.splitAngleV = t.number("splitAngleV", 0, 0, 90);
+    p.downAngle = t.number("downAngle", 0, 0, 180);
+    p.downAngleV = t.number("downAngleV", 0, -90, 90);
+    p.rotate = t.number("rotate", p.rotate, -360, 360);
+    p.rotateV = t.number("rotateV", 0, 0, 360);
+    p.branches = t.number("branches", 0, 0, 1000);
+    p.whorl = int(t.integer("whorl", 1, 1, 20));
+    p.sides = int(t.integer("sides", p.sides, 4, 32));
+    if (p.sides % 2 != 0) t.fail("sides", "must be even: a branch's caps are made of quads");
+    p.refine = int(t.integer("refine", 0, 0, 4));
+    t.finish();
+    return p;
+}
+
+LeafParameters readLeaves(base::ConfigTable& t) {
+    LeafParameters p;
+    p.count = t.number("count", p.count, 0, 10'000);
+    p.scale = t.number("scale", p.scale, 0.001, 10);
+    p.scaleX = t.number("scaleX", p.scaleX, 0.01, 10);
+    p.downAngle = t.number("downAngle", p.downAngle, 0, 180);
+    p.downAngleV = t.number("downAngleV", p.downAngleV, 0, 90);
+    p.rotate = t.number("rotate", p.rotate, -360, 360);
+    p.rotateV = t.number("rotateV", p.rotateV, 0, 360);
+    p.flat = t.number("flat", p.flat, 0, 1);
+    p.cardScale = t.number("cardScale", p.cardScale, 0.001, 20);
+    p.cardScaleX = t.number("cardScaleX", p.cardScaleX, 0.01, 10);
+    p.cardLeaves = t.number("cardLeaves", p.cardLeaves, 1, 1000);
+    p.cardDownAngle = t.number("cardDownAngle", p.cardDownAngle, 0, 180);
+    p.needles = t.boolean("needles", false);
+    p.albedo = readAlbedo(t, "albedo");
+    t.finish();
+    return p;
+}
+
+}  // namespace
+
+Species readSpecies(base::ConfigTable& t) {
+    Species s;
+    s.name = t.text("name");
+    s.shape = int(t.integer("shape", 0, 0, 7));
+    s.baseSize = t.number("baseSize", s.baseSize, 0, 0.95);
+    s.scale = t.number("scale", s.scale, 0.1, 150);
+    s.scaleV = t.number("scaleV", 0, 0, 100);
+    if (s.scaleV >= s.scale) t.fail("scaleV", "must be below scale: a tree would have no height");
+    s.ratio = t.number("ratio", s.ratio, 0.0005, 0.5);
+    s.ratioPower = t.number("ratioPower", s.ratioPower, 0.1, 5);
+    s.flare = t.number("flare", 0, 0, 10);
+    s.lobes = int(t.integer("lobes", 0, 0, 20));
+    s.lobeDepth = t.number("lobeDepth", 0, 0, 0.9);
+    s.baseSplits = int(t.integer("baseSplits", 0, 0, 5));
+    s.attractionUp = t.number("attractionUp", 0, -10, 10);
+    s.barkShare = t.number("barkShare", s.barkShare, 0.01, 0.95);
+    s.barkAlbedo = readAlbedo(t, "barkAlbedo");
+    for (base::ConfigTable& level : t.tables("level")) s.levels.push_back(readLevel(level));
+    if (s.levels.size() < 2 || s.levels.size() > 4) t.fail("level", "a species has 2 to 4 [[level]] tables");
+    std::optional<base::ConfigTable> leaves = t.table("leaves");
+    if (!leaves) t.fail("leaves", "is required");
+    s.leaves = readLeaves(*leaves);
+    t.finish();
+    return s;
+}
+
+Species loadSpecies(const std::string& name) {
+    const std::filesystem::path folder = base::homeFolder() / "scenegen/plants/species";
+    std::vector<std::string> known;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".toml") known.push_back(entry.path().stem().string());
+    std::sort(known.begin(), known.end());
+    if (!std::binary_search(known.begin(), known.end(), name)) throw base::UsageError(base::unknownName("species", name, known));
+    base::ConfigTable table = base::ConfigTable::parseFile(folder / (name + ".toml"));
+    return readSpecies(table);
+}
+
+double shapeRatio(int shape, double r) {
+    switch (shape) {
+        case 0: return 0.2 + 0.8 * r;
+        case 1: return 0.2 + 0.8 * base::det::sin(base::det::kPi * r);
+        case 2: return 0.2 + 0.8 * base::det::sin(0.5 * base::det::kPi * r);
+        case 3: return 1;
+        case 4: return 0.5 + 0.5 * r;
+        case 5: return r <= 0.7 ? r / 0.7 : (1 - r) / 0.3;
+        case 6: return 1 - 0.8 * r;
+        default: return r <= 0.7 ? 0.5 + 0.5 * r / 0.7 : 0.5 + 0.5 * (1 - r) / 0.3;
+    }
+}
+
+}  // namespace dapple::scenegen

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "base/config.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dapple::scenegen {
+
+/// Stems of one level. The names and meanings are those of Weber and Penn, "Creation and Rendering of
+/// Realistic Trees" (SIGGRAPH 1995), appendix; angles in degrees, `…V` is the largest deviation from its value.
+struct LevelParameters {
+    double length = 1, lengthV = 0;  ///< share of the parent's length (level 0: of the tree's scale)
+    double taper = 1;                ///< 0 cylinder, 1 cone, 2 round end, 3 beads
+    int curveRes = 3;                ///< segments
+    double curve = 0, curveBack = 0, curveV = 0;
+    double segSplits = 0, splitAngle = 0, splitAngleV = 0;  ///< clones per segment
+    double downAngle = 0, downAngleV = 0;  ///< V < 0: varies with the height on the parent instead of by chance
+    double rotate = 140, rotateV = 0;      ///< < 0: two rows, left and right of the parent, not a helix
+    double branches = 0;                   ///< most children of one parent
+    int whorl = 1;                         ///< children that spring from one height (firs); not in the paper
+    int sides = 4;                         ///< of the cage's rings; even, so that its caps are quads
+    int refine = 0;                        ///< levels of Catmull-Clark subdivision
+};
+
+struct LeafParameters {
+    double count = 20;              ///< most leaves of one twig
+    double scale = 0.15;            ///< length, metres
+    double scaleX = 0.6;            ///< width / length
+    double downAngle = 50, downAngleV = 10, rotate = 140, rotateV = 20;  ///< degrees, against the twig
+    double flat = 0.5;              ///< 0: the blade's side is random; 1: it faces the sky
+    double cardScale = 0.6;         ///< length of a card, metres; it stands for cardLeaves leaves
+    double cardScaleX = 0.8;        ///< width / length of a card
+    double cardLeaves = 8;
+    double cardDownAngle = 50;      ///< degrees, against the twig
+    bool needles = false;           ///< the card shows a spray of needles, else a cluster of leaves
+    glm::vec3 albedo{0.1f, 0.2f, 0.05f};  ///< linear
+};
+
+struct Species {
+    std::string name;
+    int shape = 0;  ///< crown: 0 conical … 7 tend flame
+    double baseSize = 0.2, scale = 10, scaleV = 0;  ///< metres
+    double ratio = 0.02, ratioPower = 1.2, flare = 0;
+    int lobes = 0, baseSplits = 0;
+    double lobeDepth = 0, attractionUp = 0;
+    double barkShare = 0.45;  ///< largest share of a triangle budget that stems may use
+    glm::vec3 barkAlbedo{0.2f};  ///< linear
+    std::vector<LevelParameters> levels;  ///< 2 to 4; leaves grow on the last
+    LeafParameters leaves;
+};
+
+/// Every key is checked. Throws UsageError with file and line.
+Species readSpecies(base::ConfigTable& table);
+
+/// Species of that name in scenegen/plants/species. Throws UsageError with the nearest known name.
+Species loadSpecies(const std::string& name);
+
+/// Ratio of lengths at `ratio` of the crown (0 = its top, 1 = its base): Weber and Penn, section 4.3.
+double shapeRatio(int shape, double ratio);
+
+}  // namespace dapple::scenegen

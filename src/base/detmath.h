@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cmath>
+
+/// Elementary functions built from + - * / and sqrt only, which IEEE 754 rounds the same everywhere: libm's
+/// differ in the last bit between versions, and a scene must be the same bytes from every compiler. Angles are
+/// radians. Absolute error against libm: ≤ 1e-12 for |x| ≤ 1e4 (sin, cos), relative ≤ 1e-12 (exp2, log2, pow),
+/// ≤ 3e-8 (acos). floor, ldexp and frexp are exact by definition.
+namespace dapple::base::det {
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kDegree = kPi / 180.0;
+
+struct SinCos {
+    double sin, cos;
+};
+
+/// Cody-Waite reduction to [-π/4, π/4], then the Taylor polynomials.
+inline SinCos sinCos(double x) {
+    const double k = std::floor(x * (2.0 / kPi) + 0.5);
+    const double r = (x - k * 1.57079632673412561417) - k * 6.07710050650619224932e-11, q = r * r;
+    const double s = r * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q / 6227020800.0))))));
+    const double c = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q / 87178291200.0))))));
+    switch (static_cast<long long>(k) & 3) {
+        case 0: return {s, c};
+        case 1: return {c, -s};
+        case 2: return {-s, -c};
+        default: return {-c, s};
+    }
+}
+inline double sin(double x) { return sinCos(x).sin; }
+inline double cos(double x) { return sinCos(x).cos; }
+
+inline double exp2(double x) {
+    const double k = std::floor(x + 0.5), y = (x - k) * 0.69314718055994530942;
+    double sum = 1;
+    for (int i = 14; i >= 1; --i) sum = 1 + sum * y / i;
+    return std::ldexp(sum, static_cast<int>(k));
+}
+
+/// x > 0.
+inline double log2(double x) {
+    int exponent = 0;
+    double m = std::frexp(x, &exponent);
+    if (m < 0.70710678118654752440) {
+        m *= 2;
+        --exponent;
+    }
+    const double s = (m - 1) / (m + 1), q = s * s;
+    double sum = 0;
+    for (int i = 19; i >= 1; i -= 2) sum = sum * q + 1.0 / i;
+    return exponent + 2 * s * sum * 1.44269504088896340736;
+}
+
+/// x ≥ 0; 0 for x = 0 whatever y is.
+inline double pow(double x, double y) { return x > 0 ? exp2(y * log2(x)) : 0; }
+
+/// Abramowitz & Stegun 4.4.46; x is clamped to [-1, 1].
+inline double acos(double x) {
+    const double a = std::abs(x) < 1 ? std::abs(x) : 1;
+    const double p = 1.5707963050 + a * (-0.2145988016 + a * (0.0889789874 + a * (-0.0501743046 + a * (0.0308918810 + a * (-0.0170881256 + a * (0.0066700901 - a * 0.0012624911))))));
+    const double angle = std::sqrt(1 - a) * p;
+    return x < 0 ? kPi - angle : angle;
+}
+
+}  // namespace dapple::base::det
