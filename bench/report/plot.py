@@ -1,0 +1,62 @@
+#!/usr/bin/python3
+"""plot.py DIR: draws the figures of a run and writes its table, into its folder.
+
+Work-precision diagrams (work_precision_<scene>_<size>.svg, .png, .pdf), for a stability run the heat map
+(stability.*), and table.csv, table.md. Prints the paths that it wrote. The same input gives the same bytes.
+Exit codes: 2 not the folder of a run, 4 damaged or of another schema."""
+import re
+import sys
+from pathlib import Path
+
+try:
+    import matplotlib  # noqa: F401
+    import pandas  # noqa: F401
+except ImportError as error:
+    sys.exit(print(f"plot needs {error.name}: install python3-matplotlib and python3-pandas", file=sys.stderr) or 2)
+
+from heat_map import drawHeatMap  # noqa: E402
+from results import ReportError, readRun  # noqa: E402
+from table import buildTable, markdown  # noqa: E402
+from work_precision import drawGroup  # noqa: E402
+
+
+def writeText(path, text):
+    temporary = path.with_name(path.name + ".tmp")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)
+    return path
+
+
+def slug(text):
+    return re.sub(r"[^A-Za-z0-9.-]+", "_", Path(text).name).strip("_")
+
+
+def report(folder):
+    run = readRun(folder)
+    table = buildTable(run)
+    paths = [writeText(folder / "table.csv", table.to_csv(index=False, lineterminator="\n")),
+             writeText(folder / "table.md", markdown(run, table))]
+    if run.stability:
+        return paths + drawHeatMap(run, folder / "stability")
+    for group, points in run.points.groupby("group", sort=False):
+        paths += drawGroup(run, points, folder / f"work_precision_{slug(group.replace(' · ', '_').replace('×', 'x'))}")
+    return paths
+
+
+def main(words):
+    if len(words) != 1 or words[0].startswith("-"):
+        print("usage: plot DIR (the folder of a run)", file=sys.stderr)
+        return 2
+    try:
+        print(*report(Path(words[0])), sep="\n")
+    except ReportError as error:
+        print(error, file=sys.stderr)
+        return error.code
+    except OSError as error:
+        print(f"cannot write {error.filename}: {error.strerror}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

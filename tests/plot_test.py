@@ -1,0 +1,243 @@
+"""The report on runs made up here: what it must draw, compute, refuse, and repeat byte for byte."""
+import csv
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import matplotlib.image
+
+SOURCE = Path(__file__).resolve().parents[1]
+PLOT = SOURCE / "bench/report/plot.py"
+METRIC_COLUMNS = ("schema,run_id,point_id,scene,technique,view,pass,metric,unit,better,n,median,ci_lo,ci_hi,q1,q3,min,max,"
+                  "backend,status,flags").split(",")
+failures = 0
+
+
+def check(name, ok, detail=""):
+    global failures
+    failures += not ok
+    print(f"{'ok' if ok else 'FAILED'}: {name}" + ("" if ok else f"\n    {detail}"))
+
+
+def writeCsv(path, columns, rows):
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, columns, restval="")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+class FakeRun:
+    """Builds the three files of a run, point by point."""
+
+    def __init__(self):
+        self.plan, self.metrics = [], []
+
+    def add(self, technique, ms=None, error=None, status="planned", reason="", scene="forest-small", view="near", stress="",
+            flags="", fallback="", failed="", floor=0.0004, paired=None, leftOut="", invalid=False, **axes):
+        point = f"{len(self.plan):016x}"
+        self.plan.append({"point_id": point, "shard": "1", "status": status, "reason": reason, "scene": scene,
+                          "technique": technique, "view": view, "width": "1024", "height": "768", "stress": stress, **axes})
+        base = {"schema": "1.0", "run_id": "r", "point_id": point, "scene": scene, "technique": technique, "view": view,
+                "backend": "cpu_finish", "status": "failed" if failed else "ok", "flags": failed}
+        add = lambda metric, value, **more: self.metrics.append({**base, "metric": metric, "median": value, **more})
+        if failed:
+            add("failed", "")
+            return
+        if ms is not None:
+            add("frame_time", ms, ci_lo=ms * 0.98, ci_hi=ms * 1.04, n="50", unit="ms", flags=flags,
+                status="invalid" if invalid else "ok")
+            add("pass_time", ms / 3, **{"pass": "gbuffer"})  # a pass's time is no frame time
+        if error is not None:
+            add("error", error)
+            add("false_shadow", error / 4)
+            add("false_light", error * 3 / 4)
+            add("edge_p95", 1.5)
+            add("reference_floor", floor)
+            add("texture_bytes", 16 * 2**20)
+        if fallback:
+            add("fallback", "", flags=fallback, status="fallback")
+        if paired:
+            add("ratio_to_unshadowed", paired)
+        if leftOut:
+            add("left_out", "", flags=leftOut, status="left_out", **{"pass": "alpha"})
+
+    def write(self, folder):
+        folder.mkdir(parents=True)
+        axes = [c for c in dict.fromkeys(k for row in self.plan for k in row)
+                if c not in ("point_id", "shard", "status", "reason", "scene", "technique")]
+        writeCsv(folder / "plan.csv", ["point_id", "shard", "status", "reason", "scene", "technique", *axes], self.plan)
+        writeCsv(folder / "metrics.csv", METRIC_COLUMNS, self.metrics)
+        info = {"schema": "1.0", "gl": {"renderer": "llvmpipe (LLVM 15.0.6, 256 bits)"}}
+        (folder / "run.json").write_text(json.dumps(info))
+        return folder
+
+
+def sweep():
+    run = FakeRun()
+    run.add("bare", 40.0, 0.2)
+    run.add("unshadowed", 25.0, 0.2)
+    for size, step in (("512", 0), ("1024", 1), ("2048", 2), ("10000", 3)):
+        run.add("uniform", 31 + 4 * step, 0.08 / 2**step, fit="scene", size=size)
+        run.add("focused", 32 + 4.1 * step, 0.03 / 2**step, fit="frustum", size=size)
+        run.add("lispsm", 33 + 4 * step, 0.012 / 2**step, fit="lispsm", size=size, flags="noisy" if step == 2 else "")
+    run.add("focused", 50.0, 0.03, fit="frustum", size="64", paired=1.9, leftOut="no alpha-tested caster")
+    run.add("cascaded", 45.0, 0.0021, fit="frustum", size="1024", filter="nearest")
+    run.add("cascaded", 55.0, 0.0, fit="frustum", size="2048", filter="nearest")
+    run.add("cascaded", failed="oom", fit="frustum", size="4096", filter="nearest")
+    run.add("cascaded", status="pruned", reason="size 65536 is beyond this GL's limit of 16384 texels", size="65536",
+            filter="nearest")
+    run.add("cascaded", 60.0, 0.001, fit="frustum", size="8192", filter="nearest", flags="lost", invalid=True)
+    run.add("instanced", 29.0, 0.006, size="512", mode="depth")
+    run.add("instanced", 33.0, 0.004, size="1024", mode="depth")
+    run.add("instanced", 27.0, 0.011, size="512", mode="nearest")
+    run.add("instanced", 30.0, 0.009, size="1024", mode="nearest")
+    run.add("uniform", 21.0, 0.05, view="far", size="512")
+    run.add("uniform", 23.0, 0.02, view="far", size="1024")
+    run.add("uniform", 90.0, 0.05, scene="models/town 1.glb", size="512")
+    return run
+
+
+def stability():
+    run = FakeRun()
+    cases = ["", "sun-zenith", "sun-1deg", "sun-below", "light-parallel-0", "no-caster", "far-origin"]
+    for number, technique in enumerate(["uniform", "focused", "lispsm", "cascaded", "instanced"]):
+        for step, case in enumerate(cases):
+            if technique == "instanced" and case == "no-caster":
+                run.add(technique, status="pruned", reason="no instances", stress=case)
+            elif technique == "cascaded" and case == "sun-1deg":
+                run.add(technique, stress=case, failed="nonfinite")
+            else:
+                fallback = "lispsm → focused: light ∥ view" if (technique, case) == ("lispsm", "light-parallel-0") else ""
+                run.add(technique, 30.0, 0.0 if case in ("sun-below", "no-caster") else 0.02 / (1 + number) * (1 + step),
+                        stress=case, fallback=fallback)
+    return run
+
+
+def plot(folder, seed="0"):
+    return subprocess.run(["/usr/bin/python3", PLOT, folder], capture_output=True, text=True,
+                          env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONDONTWRITEBYTECODE": "1"})
+
+
+def testDrawing(top):
+    folder = sweep().write(top / "sweep")
+    done = plot(folder)
+    names = {Path(line).name for line in done.stdout.splitlines()}
+    wanted = {f"work_precision_{stem}.{form}" for stem in ("forest-small_1024x768", "town_1.glb_1024x768")
+              for form in ("svg", "png", "pdf")} | {"table.csv", "table.md"}
+    check("one diagram per scene in three formats, and the tables", done.returncode == 0 and names == wanted,
+          (names, done.stderr))
+    if done.returncode:
+        return
+    svg = (folder / "work_precision_forest-small_1024x768.svg").read_text()
+    for text in ("uniform", "instanced", "Pareto front", "reference floor", "unshadowed 25 ms", "bare 40 ms", "view far",
+                 "software rasteriser: llvmpipe", "Failed: cascaded 4096", "oom", "invalid frame_time (lost)", "beyond this GL", "error 0 (see note)",
+                 "flagged (see table)"):
+        check(f"the diagram says '{text}'", f"<!-- {text}" in svg or text in svg.replace("-->", ""), "not in the SVG")
+    pixels = matplotlib.image.imread(folder / "work_precision_forest-small_1024x768.png")
+    check("the picture is not blank", pixels[..., :3].std() > 0.02, pixels[..., :3].std())
+
+    first = {name: (folder / name).read_bytes() for name in wanted}
+    again = sweep().write(top / "again")
+    plot(again, seed="1")
+    differ = [name for name in wanted if (again / name).read_bytes() != first[name]]
+    check("the same run draws the same bytes", not differ, differ)
+
+
+def testTable(top):
+    folder = sweep().write(top / "table")
+    plot(folder)
+    rows = list(csv.DictReader(io.StringIO((folder / "table.csv").read_text())))
+    find = lambda **want: [r for r in rows if all(r[k] == v for k, v in want.items())]
+    uniform = find(technique="uniform", size="512", view="near", scene="forest-small")[0]
+    check("ratios are to the baselines of the same run",
+          float(uniform["to_unshadowed"]) == 31 / 25 and float(uniform["to_bare"]) == 31 / 40, uniform)
+    check("the run's own paired ratio goes before the quotient", float(find(size="64")[0]["to_unshadowed"]) == 1.9)
+    check("no baseline in that view, no ratio", find(view="far")[0]["to_unshadowed"] == "", find(view="far")[0])
+    check("texture memory is in MiB", float(uniform["texture_mib"]) == 16)
+    # By brute force: a point is on the front if none is as good in both and better in one.
+    compared = [r for r in find(scene="forest-small", view="near", state="ok") if r["technique"] not in ("bare", "unshadowed")]
+    value = lambda r: (float(r["frame_ms"]), float(r["error"]))
+    beaten = lambda r: any(value(o) != value(r) and value(o)[0] <= value(r)[0] and value(o)[1] <= value(r)[1] for o in compared)
+    wrong = [r["point_id"] for r in compared if (r["pareto"] == "yes") == beaten(r)]
+    check(f"the Pareto front of {len(compared)} points is the undominated set", compared and not wrong, wrong)
+    states = {r["state"]: r["why"] for r in rows if r["size"] != "8192"}
+    check("failed and pruned points keep their row and reason",
+          states.get("failed") == "oom" and "beyond this GL" in states.get("pruned", ""), states)
+    text = (folder / "table.md").read_text()
+    widths = {line.count("|") - line.count("\\|") for line in text.splitlines() if line.startswith("|")}
+    check("table.md names settings and passes left out",
+          "| 512 nearest |" in text and "- `alpha`: no alpha-tested caster (focused)" in text)
+    check("every row of table.md has all cells", len(widths) == 1 and "failed: oom" in text, widths)
+
+
+def testStability(top):
+    folder = stability().write(top / "stability")
+    done = plot(folder)
+    check("a stability run draws the heat map", done.returncode == 0 and (folder / "stability.png").exists(), done.stderr)
+    svg = (folder / "stability.svg").read_text() if done.returncode == 0 else ""
+    for text in ("sun-1deg", "far-origin", "FAILED", "left out", "fallback", "Failed (nonfinite): cascaded at sun-1deg",
+                 "Fallback (lispsm → focused: light ∥ view): lispsm at"):
+        check(f"the heat map says '{text}'", text in svg)
+
+
+def testRefusals(top):
+    def refuse(name, code, words, spoil):
+        folder = sweep().write(top / name)
+        spoil(folder)
+        before = sorted(p.name for p in folder.iterdir()) if folder.is_dir() else []
+        done = plot(folder)
+        after = sorted(p.name for p in folder.iterdir()) if folder.is_dir() else []
+        lines = done.stderr.splitlines()
+        check(f"{name}: exit {code}, one line, nothing written",
+              done.returncode == code and len(lines) == 1 and words in lines[0] and before == after,
+              (done.returncode, done.stderr))
+
+    def edit(file, old, new):
+        def spoil(folder):
+            text = (folder / file).read_text()
+            assert old in text
+            (folder / file).write_text(text.replace(old, new))
+        return spoil
+
+    refuse("no-folder", 2, "is not a folder", shutil.rmtree)
+    for file in ("plan.csv", "metrics.csv", "run.json"):
+        refuse(f"no-{file}", 2, f"{file} is missing", lambda folder: (folder / file).unlink())
+        refuse(f"empty-{file}", 4, f"{file} is damaged", lambda folder: (folder / file).write_text(""))
+    refuse("no-column", 4, "no column technique", edit("plan.csv", ",technique,", ",tecnique,"))
+    refuse("binary", 4, "metrics.csv is damaged", lambda folder: (folder / "metrics.csv").write_bytes(b"\xff\xfe\x00\x01" * 9))
+    refuse("torn-json", 4, "run.json is damaged", lambda folder: (folder / "run.json").write_text('{"schema": "1'))
+    refuse("future-schema", 4, "schema '2.0'", edit("run.json", '"1.0"', '"2.0"'))
+    refuse("future-metrics", 4, "schema '2.0'", edit("metrics.csv", "\n1.0,", "\n2.0,"))
+    refuse("not-a-number", 4, "'fast'", edit("metrics.csv", ",40.0,", ",fast,"))
+    refuse("unknown-point", 4, "which is not in", edit("metrics.csv", f"{0:016x}", "f" * 16))
+    refuse("no-points", 4, "has no points", lambda folder: (folder / "plan.csv").write_text(
+        (folder / "plan.csv").read_text().splitlines()[0] + "\n"))
+
+
+def testSparse(top):
+    """Shuffled columns and a run that measured little: still a report."""
+    folder = FakeRun()
+    folder.add("uniform", 10.0, None, size="512")
+    folder.add("uniform", size="1024")
+    folder = folder.write(top / "sparse")
+    for name in ("plan.csv", "metrics.csv"):
+        rows = list(csv.DictReader((folder / name).open(newline="", encoding="utf-8")))
+        writeCsv(folder / name, list(reversed(rows[0])), rows)
+    done = plot(folder)
+    text = (folder / "table.md").read_text() if done.returncode == 0 else ""
+    check("absent metrics and unmeasured points leave blanks", done.returncode == 0 and "not measured" in text, done.stderr)
+
+
+with tempfile.TemporaryDirectory() as scratch:
+    for test in (testDrawing, testTable, testStability, testRefusals, testSparse):
+        test(Path(scratch))
+if os.environ.get("KEEP"):
+    for name, run in (("sweep", sweep()), ("stability", stability())):
+        shutil.rmtree(Path(os.environ["KEEP"]) / name, ignore_errors=True)
+        plot(run.write(Path(os.environ["KEEP"]) / name))
+sys.exit(failures > 0)
