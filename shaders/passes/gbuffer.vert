@@ -1,0 +1,18 @@
+#include "lib/instance.glsl"
+layout(location = 1) in vec4 aNormal;
+#ifdef TEXTURED
+layout(location = 2) in vec2 aUv;
+out vec2 vUv;
+#endif
+uniform mat4 uClipFromRelative;
+out vec3 vPosition;  // relative to the eye
+out vec3 vNormal;
+
+void main() {
+    vPosition = instancePosition();
+    vNormal = rotateYaw(aNormal.xyz, aCosSinYaw);
+#ifdef TEXTURED
+    vUv = aUv;
+#endif
+    gl_Position = uClipFromRelative * vec4(vPosition, 1.0);
+}

@@ -1,0 +1,27 @@
+#include "lib/gbuffer.glsl"
+#include "lib/view.glsl"
+#include "lib/shading.glsl"
+layout(binding = 0) uniform sampler2D uAlbedoMap;
+layout(binding = 1) uniform sampler2D uNormals;
+layout(binding = 2) uniform sampler2D uDepth;
+#ifdef SHADOWED
+layout(binding = 3) uniform sampler2D uVisibility;
+#endif
+layout(location = 0) out vec4 oColour;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 ray = normalize(viewRay(gl_FragCoord.xy));
+    if (texelFetch(uDepth, pixel, 0).r == 0.0) {
+        oColour = vec4(sky(ray), 1.0);
+        return;
+    }
+    vec4 albedo = texelFetch(uAlbedoMap, pixel, 0);
+    vec3 normal = decodeUnit(texelFetch(uNormals, pixel, 0).xy);
+#ifdef SHADOWED
+    float visibility = texelFetch(uVisibility, pixel, 0).r;
+#else
+    const float visibility = 1.0;
+#endif
+    oColour = vec4(shade(albedo.rgb, albedo.a, normal, -ray, visibility), 1.0);
+}

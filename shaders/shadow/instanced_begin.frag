@@ -1,0 +1,19 @@
+// Start of the visibility image: lit where the surface faces the sun. Copies depth, because the volumes test
+// against the depth buffer that they would otherwise have to read.
+#include "lib/gbuffer.glsl"
+layout(binding = 1) uniform sampler2D uNormals;
+layout(binding = 2) uniform sampler2D uDepth;
+uniform vec3 uLight;
+layout(location = 0) out vec2 oVisibility;
+layout(location = 1) out float oDepth;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    oDepth = texelFetch(uDepth, pixel, 0).r;
+    if (oDepth == 0.0) {
+        oVisibility = vec2(1.0, 0.0);
+        return;
+    }
+    vec3 normal = decodeUnit(texelFetch(uNormals, pixel, 0).zw);
+    oVisibility = dot(normal, uLight) >= 0.0 ? vec2(0.0) : vec2(1.0);
+}

@@ -1,0 +1,3 @@
+#include "lib/alpha_test.glsl"
+in vec2 vUv;
+void main() { alphaTest(vUv); }

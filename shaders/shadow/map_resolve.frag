@@ -1,0 +1,46 @@
+// One look-up per pixel into the map that serves its depth. V in red, validity in green.
+#include "lib/gbuffer.glsl"
+#include "lib/view.glsl"
+#include "lib/bias.glsl"
+#include "lib/filter.glsl"
+layout(binding = 1) uniform sampler2D uNormals;
+layout(binding = 2) uniform sampler2D uDepth;
+layout(binding = 3) uniform sampler2DArrayShadow uMap;
+uniform vec3 uLight;
+uniform vec3 uBasisU, uBasisV;
+uniform mat4 uLightClips[8];
+uniform vec4 uSplits[8];  // far end of the cascade (metres), depth step (metres), map present, unused
+uniform int uLayers;
+uniform float uSize;
+layout(location = 0) out vec2 oVisibility;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float depth = texelFetch(uDepth, pixel, 0).r;
+    oVisibility = vec2(1.0, 0.0);
+    if (depth == 0.0) return;  // sky
+    vec3 normal = decodeUnit(texelFetch(uNormals, pixel, 0).zw);
+    if (dot(normal, uLight) >= 0.0) {  // the surface looks away from the sun
+        oVisibility = vec2(0.0, 0.0);
+        return;
+    }
+    float z = eyeDepth(depth);
+    vec3 p = viewRay(gl_FragCoord.xy) * z;
+    int layer = 0;
+    while (layer < uLayers - 1 && z >= uSplits[layer].x) ++layer;
+    oVisibility = vec2(1.0, 1.0);
+    if (uSplits[layer].z == 0.0) return;  // no caster reaches this slice
+
+    mat4 clip = uLightClips[layer];
+    vec4 q = clip * vec4(p, 1.0);
+    vec2 ndc = q.xy / q.w;
+    // Jacobian of texels by metres along (u, v), inverted: the world steps of one texel.
+    vec4 du = clip * vec4(uBasisU, 0.0), dv = clip * vec4(uBasisV, 0.0);
+    vec2 a = (du.xy - ndc * du.w) * (0.5 * uSize / q.w), b = (dv.xy - ndc * dv.w) * (0.5 * uSize / q.w);
+    float det = a.x * b.y - b.x * a.y;
+    vec3 Tu = (uBasisU * b.y - uBasisV * a.y) / det, Tv = (uBasisV * a.x - uBasisU * b.x) / det;
+
+    q = clip * vec4(biased(p, normal, uLight, Tu, Tv, uSplits[layer].y), 1.0);
+    vec3 s = q.xyz / q.w;
+    oVisibility.r = filtered(uMap, float(layer), (s.xy * 0.5 + 0.5) * uSize, uSize, s.z);
+}

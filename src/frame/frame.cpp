@@ -1,0 +1,233 @@
+#include "frame/frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dapple::frame {
+namespace {
+
+using gpuscene::Attributes;
+using gpuscene::Bucket;
+
+/// Octahedral decode of lib/gbuffer.glsl.
+glm::dvec3 decodeUnit(double x, double y) {
+    glm::dvec2 e(x * 2 - 1, y * 2 - 1);
+    glm::dvec3 n(e, 1 - std::abs(e.x) - std::abs(e.y));
+    const double t = std::max(-n.z, 0.0);
+    n.x += n.x >= 0 ? -t : t;
+    n.y += n.y >= 0 ? -t : t;
+    return glm::normalize(n);
+}
+
+}  // namespace
+
+/// Variants of one geometry shader: an untextured scene gets no texture coordinates, a scene without alpha no
+/// alpha test.
+struct Frame::Programs {
+    gl::Program opaque, alpha;
+    Attributes opaqueAttributes = Attributes::positionNormal;
+
+    Programs(const gpuscene::GpuScene& scene, const std::string& fragment) {
+        if (scene.has(Bucket::opaque)) {
+            const bool textured = scene.hasOpaqueTextures();
+            opaque = gl::Program("passes/gbuffer.vert", fragment, textured ? std::vector<std::string>{"TEXTURED"} : std::vector<std::string>{});
+            if (textured) opaqueAttributes = Attributes::all;
+        }
+        if (scene.has(Bucket::alphaTested)) alpha = gl::Program("passes/gbuffer.vert", fragment, {"TEXTURED", "ALPHA_TEST"});
+    }
+};
+
+Frame::Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int width, int height)
+    : scene_(&scene), camera_(view, width, height), light_(scene.scene().sun.direction()),
+      albedo_(GL_SRGB8_ALPHA8, width, height), normals_(GL_RGBA16, width, height), depth_(GL_DEPTH_COMPONENT32F, width, height),
+      visibility_(GL_RG16F, width, height), shaded_(GL_SRGB8_ALPHA8, width, height), noAttributes_(gl::makeVertexArray()),
+      nearest_(gl::makeSampler({})) {
+    const gl::Texture* geometry[] = {&albedo_, &normals_};
+    const gl::Texture* visibility[] = {&visibility_};
+    const gl::Texture* shaded[] = {&shaded_};
+    gbufferTarget_ = gl::makeFramebuffer(geometry, &depth_);
+    visibilityTarget_ = gl::makeFramebuffer(visibility, nullptr);
+    shadedTarget_ = gl::makeFramebuffer(shaded, nullptr);
+    bareTarget_ = gl::makeFramebuffer(shaded, &depth_);
+}
+
+base::DBox Frame::relativeBox(uint32_t instance) const {
+    const base::Box& box = scene_->instanceBoxes()[instance];
+    return box.empty() ? base::DBox{} : base::DBox{glm::dvec3(box.lo) - camera_.eye, glm::dvec3(box.hi) - camera_.eye};
+}
+
+void Frame::setView(const gl::Program& program) const {
+    program.set("uRight", glm::vec4(camera_.right * camera_.tanX, camera_.near));
+    program.set("uUp", glm::vec4(camera_.up * camera_.tanY, camera_.far));
+    program.set("uForward", glm::vec4(camera_.forward, 0));
+    program.set("uPixel", glm::vec2(1.0 / camera_.width, 1.0 / camera_.height));
+    program.set("uClipFromRelative", glm::mat4(camera_.clipFromRelative));
+    program.set("uLight", glm::vec3(light_));
+}
+
+void Frame::bindGeometry() const {
+    glBindTextureUnit(0, albedo_.name());
+    glBindTextureUnit(1, normals_.name());
+    glBindTextureUnit(2, depth_.name());
+    for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, nearest_.name());
+}
+
+void Frame::drawFullscreen() const {
+    glBindVertexArray(noAttributes_.name());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& programs, PassTally& tally) {
+    glViewport(0, 0, camera_.width, camera_.height);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    const auto draw = [&](const gl::Program& program, Bucket bucket, Attributes attributes) {
+        if (!program.name()) return;
+        setView(program);
+        program.use();
+        const gpuscene::DrawCount count = scene_->draw(list, bucket, attributes, program.name());
+        tally.draws += count.draws;
+        tally.triangles += count.triangles;
+    };
+    draw(programs.opaque, Bucket::opaque, programs.opaqueAttributes);
+    draw(programs.alpha, Bucket::alphaTested, Attributes::all);
+}
+
+Pass Frame::gbufferPass() {
+    if (!gbuffer_) gbuffer_ = std::make_shared<Programs>(*scene_, "passes/gbuffer.frag");
+    return {"gbuffer", {}, {"gbuffer", "depth"}, "colour, normals and depth of what the view sees", "", [this](PassTally& tally) {
+                scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
+                const float zero[4] = {0, 0, 0, 0};
+                glBindFramebuffer(GL_FRAMEBUFFER, gbufferTarget_.name());
+                glEnable(GL_FRAMEBUFFER_SRGB);
+                // Colour needs no clearing: pixels that no triangle covers are sky by their depth.
+                glClearBufferfv(GL_DEPTH, 0, zero);
+                drawGeometry(visible_, *gbuffer_, tally);
+            }};
+}
+
+Pass Frame::barePass() {
+    if (!bare_) bare_ = std::make_shared<Programs>(*scene_, "passes/bare.frag");
+    return {"bare", {}, {"shaded"}, "every instance, nothing culled", "", [this](PassTally& tally) {
+                // The loop has no visibility of its own, so its instances are listed and uploaded once.
+                if (everything_.data.empty()) scene_->collect(camera_.eye, [](uint32_t) { return true; }, everything_);
+                const float zero[4] = {0, 0, 0, 0};
+                glBindFramebuffer(GL_FRAMEBUFFER, bareTarget_.name());
+                glEnable(GL_FRAMEBUFFER_SRGB);
+                glClearBufferfv(GL_COLOR, 0, zero);
+                glClearBufferfv(GL_DEPTH, 0, zero);
+                drawGeometry(everything_, *bare_, tally);
+            }};
+}
+
+Pass Frame::shadePass(bool shadowed) {
+    gl::Program& program = shadowed ? shade_ : shadeUnshadowed_;
+    if (!program.name())
+        program = gl::Program("passes/fullscreen.vert", "passes/shade.frag", shadowed ? std::vector<std::string>{"SHADOWED"} : std::vector<std::string>{});
+    std::vector<std::string> reads{"gbuffer", "depth"};
+    if (shadowed) reads.push_back("visibility");
+    return {"shade", reads, {"shaded"}, "ambient, diffuse and specular light; shadow dims the second and removes the third", "",
+            [this, &program, shadowed](PassTally& tally) {
+                glBindFramebuffer(GL_FRAMEBUFFER, shadedTarget_.name());
+                glViewport(0, 0, camera_.width, camera_.height);
+                glEnable(GL_FRAMEBUFFER_SRGB);
+                setView(program);
+                program.use();
+                bindGeometry();
+                if (shadowed) {
+                    glBindTextureUnit(3, visibility_.name());
+                    glBindSampler(3, nearest_.name());
+                }
+                drawFullscreen();
+                ++tally.draws;
+            }};
+}
+
+const gl::Texture& Frame::overdraw() {
+    overdrawTarget();
+    return overdraw_;
+}
+
+gl::Framebuffer& Frame::overdrawTarget() {
+    if (!overdrawTarget_) {
+        overdraw_ = gl::Texture(GL_R32F, camera_.width, camera_.height);
+        const gl::Texture* colours[] = {&overdraw_};
+        overdrawTarget_ = gl::makeFramebuffer(colours, nullptr);
+        countTarget_ = gl::makeFramebuffer(colours, &depth_);
+    }
+    return overdrawTarget_;
+}
+
+void Frame::countGeometry() {
+    overdrawTarget();
+    if (!count_) count_ = std::make_shared<Programs>(*scene_, "passes/count.frag");
+    scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
+    const float zero[4] = {0, 0, 0, 0};
+    gl::resetState();
+    glBindFramebuffer(GL_FRAMEBUFFER, countTarget_.name());
+    glClearBufferfv(GL_COLOR, 0, zero);
+    glClearBufferfv(GL_DEPTH, 0, zero);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    PassTally ignored;
+    drawGeometry(visible_, *count_, ignored);
+    gl::resetState();
+}
+
+base::ImageF Frame::readChannel(const gl::Texture& texture, int layer) const {
+    const bool isDepth = texture.format() == GL_DEPTH_COMPONENT32F;
+    base::ImageF image{texture.width(), texture.height(), 1, std::vector<float>(size_t(texture.width()) * size_t(texture.height()))};
+    std::vector<float> rows(image.texels.size());
+    glGetTextureSubImage(texture.name(), 0, 0, 0, layer, texture.width(), texture.height(), 1, isDepth ? GL_DEPTH_COMPONENT : GL_RED,
+                         GL_FLOAT, GLsizei(rows.size() * sizeof(float)), rows.data());
+    const auto width = size_t(image.width), height = size_t(image.height);
+    for (size_t y = 0; y < height; ++y) std::copy_n(&rows[(height - 1 - y) * width], width, &image.texels[y * width]);
+    return image;
+}
+
+truth::Receivers Frame::readReceivers() const {
+    const auto w = size_t(camera_.width), h = size_t(camera_.height);
+    truth::Receivers receivers{camera_.width, camera_.height, std::vector<glm::vec3>(w * h), std::vector<glm::vec3>(w * h),
+                               std::vector<uint8_t>(w * h)};
+    const base::ImageF depth = readChannel(depth_);
+    std::vector<uint16_t> normals(w * h * 4);
+    glGetTextureImage(normals_.name(), 0, GL_RGBA, GL_UNSIGNED_SHORT, GLsizei(normals.size() * sizeof(uint16_t)), normals.data());
+    for (size_t row = 0; row < h; ++row)
+        for (size_t x = 0; x < w; ++x) {
+            const size_t i = row * w + x, glRow = h - 1 - row;
+            if (depth.texels[i] == 0) continue;
+            receivers.present[i] = 1;
+            receivers.position[i] = glm::vec3(camera_.relativePoint(int(x), int(glRow), depth.texels[i]));
+            const uint16_t* n = &normals[(glRow * w + x) * 4];
+            receivers.normal[i] = glm::vec3(decodeUnit(n[2] / 65535.0, n[3] / 65535.0));
+        }
+    return receivers;
+}
+
+std::vector<float> Frame::readVisibility() const { return readChannel(visibility_).texels; }
+
+std::vector<uint8_t> Frame::readValidity() const {
+    const auto w = size_t(camera_.width), h = size_t(camera_.height);
+    std::vector<float> pairs(w * h * 2);
+    glGetTextureImage(visibility_.name(), 0, GL_RG, GL_FLOAT, GLsizei(pairs.size() * sizeof(float)), pairs.data());
+    std::vector<uint8_t> valid(w * h);
+    for (size_t y = 0; y < h; ++y)
+        for (size_t x = 0; x < w; ++x) valid[y * w + x] = pairs[((h - 1 - y) * w + x) * 2 + 1] > 0.5f;
+    return valid;
+}
+
+base::Image8 Frame::readShaded() const {
+    const auto w = size_t(camera_.width), h = size_t(camera_.height);
+    std::vector<uint8_t> rows(w * h * 4);
+    glGetTextureImage(shaded_.name(), 0, GL_RGBA, GL_UNSIGNED_BYTE, GLsizei(rows.size()), rows.data());
+    base::Image8 image{camera_.width, camera_.height, 3, std::vector<uint8_t>(w * h * 3)};
+    for (size_t y = 0; y < h; ++y)
+        for (size_t x = 0; x < w; ++x) std::copy_n(&rows[((h - 1 - y) * w + x) * 4], 3, image.at(int(x), int(y)));
+    return image;
+}
+
+size_t Frame::targetBytes() const {
+    return albedo_.bytes() + normals_.bytes() + depth_.bytes() + visibility_.bytes() + shaded_.bytes();
+}
+
+}  // namespace dapple::frame

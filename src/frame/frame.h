@@ -1,0 +1,75 @@
+#pragma once
+
+#include "frame/camera.h"
+#include "frame/pass.h"
+#include "gl/program.h"
+#include "gpuscene/gpu_scene.h"
+#include "truth/reference.h"
+
+#include <memory>
+#include <vector>
+
+namespace dapple::frame {
+
+/// One view of one scene at one resolution: what every technique gets (G-buffer, scene, sun) and the one
+/// image that it gives (visibility). Techniques that are compared share a Frame; each frame of each redoes it all.
+class Frame {
+public:
+    Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int width, int height);
+
+    const gpuscene::GpuScene& scene() const { return *scene_; }
+    const Camera& camera() const { return camera_; }
+    const glm::dvec3& light() const { return light_; }  ///< unit, direction in which the light travels
+    bool sunUp() const { return light_.z < 0; }
+    /// Box of an instance relative to the eye.
+    base::DBox relativeBox(uint32_t instance) const;
+
+    // Targets. Rows from the bottom, as GL has them.
+    const gl::Texture& normals() const { return normals_; }      ///< RGBA16: shading, geometric; octahedral
+    const gl::Texture& depth() const { return depth_; }          ///< D32F, reversed; 0 = sky
+    const gl::Texture& visibility() const { return visibility_; }///< RG16F: V (0 dark … 1 lit), validity
+    const gl::Texture& shaded() const { return shaded_; }        ///< sRGB
+    const gl::Framebuffer& visibilityTarget() const { return visibilityTarget_; }
+
+    /// Sets the uniforms of lib/view.glsl and uLight.
+    void setView(const gl::Program& program) const;
+    /// Binds normals to unit 1 and depth to unit 2, as the resolves of all techniques expect them.
+    void bindGeometry() const;
+    /// Draws the triangle that covers the screen.
+    void drawFullscreen() const;
+
+    Pass gbufferPass();
+    Pass shadePass(bool shadowed);
+    Pass barePass();  ///< everything, nothing culled, forward, straight to `shaded`
+
+    /// Additive count of the fragments that `barePass` or the G-buffer pass shades, into `overdraw()`.
+    void countGeometry();
+    const gl::Texture& overdraw();  ///< R32F, made on first use
+    gl::Framebuffer& overdrawTarget();
+
+    // Read-backs, rows from the top. They block.
+    truth::Receivers readReceivers() const;
+    std::vector<float> readVisibility() const;
+    std::vector<uint8_t> readValidity() const;
+    base::Image8 readShaded() const;
+    base::ImageF readChannel(const gl::Texture& texture, int layer = 0) const;  ///< first channel or depth
+
+    size_t targetBytes() const;
+
+private:
+    struct Programs;
+    void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, PassTally& tally);
+
+    const gpuscene::GpuScene* scene_;
+    Camera camera_;
+    glm::dvec3 light_;
+    gl::Texture albedo_, normals_, depth_, visibility_, shaded_, overdraw_;
+    gl::Framebuffer gbufferTarget_, visibilityTarget_, shadedTarget_, bareTarget_, overdrawTarget_, countTarget_;
+    gl::VertexArray noAttributes_;
+    gl::Sampler nearest_;
+    gpuscene::DrawList visible_, everything_;
+    std::shared_ptr<const Programs> gbuffer_, bare_, count_;
+    gl::Program shade_, shadeUnshadowed_;
+};
+
+}  // namespace dapple::frame

@@ -1,0 +1,97 @@
+#pragma once
+
+#include "gl/objects.h"
+#include "scenegen/scene.h"
+
+#include <functional>
+#include <vector>
+
+namespace dapple::gpuscene {
+
+/// Indices of one material of one prototype within the scene's shared buffers.
+struct GpuMesh {
+    uint32_t firstIndex = 0, indexCount = 0;
+    int32_t baseVertex = 0;
+    uint32_t material = 0;
+    bool alphaTested = false;
+    bool cullBack = false;  ///< closed and single-sided: faces that look away never change a pixel
+};
+
+struct GpuPrototype {
+    base::Box box;  ///< prototype space
+    bool castsShadow = true;
+    std::vector<GpuMesh> meshes;
+    size_t triangles = 0;
+};
+
+/// Per-instance vertex attributes: where an instance stands relative to the eye, so that floats suffice
+/// however far the scene lies from the world's origin.
+struct InstanceData {
+    glm::vec3 position;  ///< metres, relative to the eye
+    float scale;
+    glm::vec2 cosSinYaw;
+};
+static_assert(sizeof(InstanceData) == 24);
+
+/// Instances to draw, grouped by prototype, with their buffer on the GPU; `ranges` index `data`.
+struct DrawList {
+    struct Range {
+        uint32_t prototype, first, count;
+    };
+    std::vector<InstanceData> data;
+    std::vector<uint32_t> instances;  ///< index into Scene::instances, parallel to `data`
+    std::vector<Range> ranges;
+    gl::Buffer buffer;  ///< reused from frame to frame
+
+    void upload() { buffer.update(data.size() * sizeof(InstanceData), data.data()); }
+};
+
+/// Which meshes of a draw list a draw submits.
+enum class Bucket { opaque, alphaTested };
+/// Which vertex attributes it reads beside the position.
+enum class Attributes { position, positionUv, positionNormal, all };
+
+struct DrawCount {
+    size_t draws = 0, triangles = 0;
+};
+
+/// A Scene on the GPU: one vertex buffer per attribute, one index buffer, the textures.
+class GpuScene {
+public:
+    explicit GpuScene(const scenegen::Scene& scene);
+
+    const scenegen::Scene& scene() const { return *scene_; }
+    const scenegen::Facts& facts() const { return facts_; }
+    std::span<const GpuPrototype> prototypes() const { return prototypes_; }
+    /// Boxes of all instances, metres from Scene::origin.
+    std::span<const base::Box> instanceBoxes() const { return boxes_; }
+    size_t bufferBytes() const;
+    size_t textureBytes() const;
+
+    /// Fills and uploads `list` with the instances that `keep` accepts, seen from `eye` (metres from
+    /// Scene::origin), nearest first. `keep` gets the index of an instance.
+    void collect(const glm::dvec3& eye, const std::function<bool(uint32_t instance)>& keep, DrawList& list) const;
+
+    /// Submits the meshes of a bucket. Unless `attributes` is position alone, the material is set on `program`
+    /// (uAlbedo = colour and specular strength, uTextured) and its texture bound to units 0 (colour) and 1
+    /// (alpha, nearest texel of level 0 as in the reference).
+    DrawCount draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program) const;
+    /// Whether any mesh is in the bucket; whether an opaque one has a texture.
+    bool has(Bucket bucket) const { return bucket == Bucket::opaque ? hasOpaque_ : hasAlpha_; }
+    bool hasOpaqueTextures() const { return hasOpaqueTextures_; }
+
+private:
+    void setMaterial(uint32_t material, GLuint program) const;
+
+    const scenegen::Scene* scene_;
+    scenegen::Facts facts_;
+    std::vector<GpuPrototype> prototypes_;
+    std::vector<base::Box> boxes_;
+    std::vector<gl::Texture> textures_;
+    gl::Buffer positions_, normals_, uvs_, indices_;
+    gl::VertexArray arrays_[4];  // by Attributes
+    gl::Sampler colourSampler_, alphaSampler_;
+    bool hasOpaque_ = false, hasAlpha_ = false, hasOpaqueTextures_ = false;
+};
+
+}  // namespace dapple::gpuscene

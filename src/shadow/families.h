@@ -1,0 +1,16 @@
+#pragma once
+
+#include "shadow/technique.h"
+
+/// What the families share, and their makers. A new family adds its maker here and in technique.cpp.
+namespace dapple::shadow {
+
+std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings);
+std::unique_ptr<Technique> makeInstanced(frame::Frame& frame, const Settings& settings);
+
+/// Draws a list's casters, opaque then alpha-tested, with the light's matrix. `alpha` may be empty where the
+/// scene has no alpha-tested mesh, `opaque` where it has nothing else.
+void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const glm::dmat4& lightClip,
+                 const gl::Program& opaque, const gl::Program& alpha, frame::PassTally& tally);
+
+}  // namespace dapple::shadow

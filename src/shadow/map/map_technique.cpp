@@ -1,0 +1,179 @@
+// The family of shadow maps over the scene: fit × split × bias × filter (Williams 1978; Zhang et al. 2006 for the
+// split; fit.cpp for the fits).
+#include "shadow/families.h"
+
+#include "shadow/map/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace dapple::shadow {
+namespace {
+
+using gpuscene::Attributes;
+using gpuscene::Bucket;
+
+class MapTechnique final : public Technique {
+public:
+    MapTechnique(frame::Frame& frame, const Settings& settings)
+        : frame_(frame), settings_(settings), size_(std::stoi(settings.at("size"))), layers_(std::stoi(settings.at("cascades"))),
+          kind_(settings.at("fit") == "scene" ? FitKind::scene : settings.at("fit") == "lispsm" ? FitKind::lispsm : FitKind::frustum),
+          basis_(lightBasis(frame.light(), frame.camera().forward)), cascades_(size_t(layers_)) {
+        for (uint32_t i = 0; i < frame.scene().instanceBoxes().size(); ++i) {
+            const base::DBox box = frame.relativeBox(i);
+            if (box.empty()) continue;
+            sceneBox_.extend(box);
+            for (int corner = 0; corner < 8; ++corner) sceneBounds_.extend(basis_.toLight(box.corner(corner)));
+        }
+        fitCascades();
+        const bool anyMap = std::any_of(cascades_.begin(), cascades_.end(), [&](const Cascade& c) { return needed(c).empty(); });
+        if (anyMap) {
+            map_ = gl::Texture(GL_DEPTH_COMPONENT32F, size_, size_, layers_);
+            for (int i = 0; i < layers_; ++i) cascades_[size_t(i)].target = gl::makeFramebuffer({}, &map_, i);
+        }
+        const bool linear = settings.at("filter") != "nearest";
+        sampler_ = gl::makeSampler({GLenum(linear ? GL_LINEAR : GL_NEAREST), false, GL_CLAMP_TO_BORDER, true});
+        if (frame.scene().has(Bucket::opaque)) depth_ = gl::Program("shadow/map_depth.vert", "");
+        if (frame.scene().has(Bucket::alphaTested))
+            depthAlpha_ = gl::Program("shadow/map_depth.vert", "shadow/map_depth.frag", {"ALPHA_TEST"});
+        resolve_ = gl::Program("passes/fullscreen.vert", "shadow/map_resolve.frag", samplingDefines(settings));
+    }
+
+    std::vector<frame::Pass> passes() override {
+        std::vector<frame::Pass> passes;
+        std::vector<std::string> reads{"gbuffer", "depth"};
+        for (int i = 0; i < layers_; ++i) {
+            const std::string name = layers_ == 1 ? "map" : fmt::format("map{}", i);
+            const std::string leftOut = needed(cascades_[size_t(i)]);
+            passes.push_back({name, {}, {name}, "depth of the casters seen from the sun", leftOut,
+                              [this, i](frame::PassTally& tally) { renderMap(i, tally); }});
+            if (leftOut.empty()) reads.push_back(name);
+        }
+        passes.push_back({"resolve", reads, {"visibility"}, "one comparison per pixel", "",
+                          [this](frame::PassTally& tally) { resolve(tally); }});
+        return passes;
+    }
+
+    std::string fallback() const override {
+        for (const Cascade& c : cascades_)
+            if (!c.fit.fallback.empty()) return c.fit.fallback;
+        return {};
+    }
+
+    std::vector<LightMatrix> matrices() const override {
+        std::vector<LightMatrix> result;
+        for (size_t i = 0; i < cascades_.size(); ++i)
+            if (!cascades_[i].fit.empty) result.push_back({fmt::format("map{}", i), cascades_[i].fit.clipFromRelative});
+        return result;
+    }
+
+    const gl::Texture* map() const override { return map_.name() ? &map_ : nullptr; }
+
+private:
+    struct Cascade {
+        LightFit fit;
+        std::vector<glm::dvec3> body;
+        double far = 0;  // metres of eye depth where the next cascade begins
+        gl::Framebuffer target;
+        gpuscene::DrawList casters;
+    };
+
+    /// Why a cascade's map is not needed; empty when it is.
+    std::string needed(const Cascade& cascade) const {
+        if (!frame_.scene().facts().casters) return "the scene has no caster";
+        if (cascade.fit.empty) return "no receiver can lie in this slice of the view";
+        return {};
+    }
+
+    /// Cheap enough to be redone in every frame, as a moving camera would have to.
+    void fitCascades() {
+        const frame::Camera& camera = frame_.camera();
+        std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox_);
+        double near = camera.far, far = camera.near;
+        for (const glm::dvec3& p : body) {
+            near = std::min(near, glm::dot(p, camera.forward));
+            far = std::max(far, glm::dot(p, camera.forward));
+        }
+        near = std::max(near, camera.near);
+        const double pad = kernelRadius(settings_) + 1.5;
+        const std::vector<double> splits = layers_ == 1 || far <= near ? std::vector<double>(size_t(layers_) + 1, far)
+                                                                      : practicalSplits(near, far, layers_, std::stod(settings_.at("lambda")));
+        for (int i = 0; i < layers_; ++i) {
+            Cascade& c = cascades_[size_t(i)];
+            c.far = splits[size_t(i) + 1];
+            // Slices overlap by a thousandth, so that rounding cannot leave a pixel between two of them.
+            const double sliceNear = i == 0 ? camera.near : splits[size_t(i)] * 0.999, sliceFar = i == layers_ - 1 ? camera.far : c.far * 1.001;
+            c.body = layers_ == 1 ? body : viewBody(camera, sliceNear, sliceFar, sceneBox_);
+            c.fit = fitLight(kind_, basis_, camera, c.body, sceneBounds_, size_, pad);
+        }
+    }
+
+    void renderMap(int index, frame::PassTally& tally) {
+        if (index == 0) fitCascades();
+        Cascade& c = cascades_[size_t(index)];
+        const gpuscene::GpuScene& scene = frame_.scene();
+        const CasterCull cull(basis_, c.body, 4 * c.fit.maxTexel);
+        const bool all = settings_.at("cull") == "none";
+        const auto keep = [&](uint32_t i) {
+            return scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && (all || cull.keep(frame_.relativeBox(i)));
+        };
+        scene.collect(frame_.camera().eye, keep, c.casters);
+        glBindFramebuffer(GL_FRAMEBUFFER, c.target.name());
+        glViewport(0, 0, size_, size_);
+        const float one = 1;
+        glClearBufferfv(GL_DEPTH, 0, &one);
+        tally.texelsWritten += size_t(size_) * size_t(size_);
+        glEnable(GL_DEPTH_TEST);
+        glEnable(GL_DEPTH_CLAMP);  // casters in front of the receivers' range still cast
+        drawCasters(scene, c.casters, c.fit.clipFromRelative, depth_, depthAlpha_, tally);
+    }
+
+    void resolve(frame::PassTally& tally) {
+        glBindFramebuffer(GL_FRAMEBUFFER, frame_.visibilityTarget().name());
+        glViewport(0, 0, frame_.camera().width, frame_.camera().height);
+        std::array<glm::mat4, 8> clips{};
+        std::array<glm::vec4, 8> splits{};
+        for (size_t i = 0; i < cascades_.size(); ++i) {
+            const LightFit& fit = cascades_[i].fit;
+            clips[i] = glm::mat4(fit.clipFromRelative);
+            const bool present = map_.name() && needed(cascades_[i]).empty();
+            splits[i] = {float(cascades_[i].far), float(fit.depthRange * 0x1p-23), present, 0};
+        }
+        frame_.setView(resolve_);
+        resolve_.set("uBasisU", glm::vec3(basis_.u));
+        resolve_.set("uBasisV", glm::vec3(basis_.v));
+        resolve_.set("uLightClips[0]", std::span<const glm::mat4>(clips.data(), cascades_.size()));
+        resolve_.set("uSplits[0]", std::span<const glm::vec4>(splits.data(), cascades_.size()));
+        resolve_.set("uLayers", layers_);
+        resolve_.set("uSize", float(size_));
+        resolve_.set("uBiasScale", std::stof(settings_.at("bias-scale")));
+        resolve_.use();
+        frame_.bindGeometry();
+        glBindTextureUnit(3, map_.name());
+        glBindSampler(3, sampler_.name());
+        frame_.drawFullscreen();
+        ++tally.draws;
+    }
+
+    frame::Frame& frame_;
+    Settings settings_;
+    int size_, layers_;
+    FitKind kind_;
+    LightBasis basis_;
+    base::DBox sceneBox_;     // relative to the eye
+    base::DBox sceneBounds_;  // light space
+    gl::Texture map_;
+    gl::Sampler sampler_;
+    gl::Program depth_, depthAlpha_, resolve_;
+    std::vector<Cascade> cascades_;
+};
+
+}  // namespace
+
+std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings) {
+    return std::make_unique<MapTechnique>(frame, settings);
+}
+
+}  // namespace dapple::shadow

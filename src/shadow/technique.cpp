@@ -1,0 +1,54 @@
+#include "shadow/technique.h"
+
+#include "shadow/families.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace dapple::shadow {
+namespace {
+
+/// V = 1 without any work: the frame that shadows are added to.
+class Unshadowed final : public Technique {
+public:
+    std::vector<frame::Pass> passes() override { return {}; }
+};
+
+}  // namespace
+
+double kernelRadius(const Settings& settings) {
+    const std::string& filter = settings.at("filter");
+    return filter == "nearest" ? 0 : filter == "pcf2" ? 0.5 : 1;
+}
+
+std::vector<std::string> samplingDefines(const Settings& settings) {
+    const std::string& bias = settings.at("bias");
+    const std::string& filter = settings.at("filter");
+    return {fmt::format("BIAS {}", bias == "constant" ? 0 : bias == "slope" ? 1 : 2),
+            fmt::format("FILTER {}", filter == "nearest" ? 0 : filter == "pcf2" ? 1 : 2),
+            fmt::format("KERNEL {:.1f}", kernelRadius(settings))};
+}
+
+void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const glm::dmat4& lightClip,
+                 const gl::Program& opaque, const gl::Program& alpha, frame::PassTally& tally) {
+    const auto draw = [&](const gl::Program& program, gpuscene::Bucket bucket, gpuscene::Attributes attributes) {
+        if (!program.name()) return;
+        program.set("uLightClip", glm::mat4(lightClip));
+        program.use();
+        const gpuscene::DrawCount count = scene.draw(list, bucket, attributes, program.name());
+        tally.draws += count.draws;
+        tally.triangles += count.triangles;
+    };
+    draw(opaque, gpuscene::Bucket::opaque, gpuscene::Attributes::position);
+    draw(alpha, gpuscene::Bucket::alphaTested, gpuscene::Attributes::positionUv);
+}
+
+std::unique_ptr<Technique> makeTechnique(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings) {
+    if (info.family == "baseline") return std::make_unique<Unshadowed>();
+    if (info.family == "map") return makeMap(frame, settings);
+    if (info.family == "instanced") return makeInstanced(frame, settings);
+    throw std::logic_error("no maker for family " + info.family);
+}
+
+}  // namespace dapple::shadow

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "frame/frame.h"
+#include "shadow/registry.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dapple::shadow {
+
+/// A light matrix in use, for the JSON beside a picture: anybody can check the picture with it.
+struct LightMatrix {
+    std::string name;
+    glm::dmat4 clipFromRelative;  ///< from metres relative to the eye (or as `name` says) to the map's clip space
+};
+
+/// One technique with its settings on one frame. In: the G-buffer, the scene on the GPU, the sun. Out: the
+/// visibility image and its validity channel. Nothing else leaves it.
+class Technique {
+public:
+    virtual ~Technique() = default;
+    /// The passes between "depth" and "visibility", those that this scene does not need with their reason.
+    /// The last one writes "visibility". They capture this object and the frame.
+    virtual std::vector<frame::Pass> passes() = 0;
+    /// Stated fallback in force ("lispsm → frustum: …"); empty when the technique runs as named.
+    virtual std::string fallback() const { return {}; }
+    virtual std::vector<LightMatrix> matrices() const { return {}; }
+    /// The shadow map or the array of maps; nullptr where there is none.
+    virtual const gl::Texture* map() const { return nullptr; }
+    size_t mapBytes() const { return map() ? map()->bytes() : 0; }
+    /// Draws the additive fragment count of the technique's own screen-space work into frame.overdrawTarget().
+    /// False: it has none, and the overdraw of the geometry is what there is to see.
+    virtual bool countOverdraw() { return false; }
+};
+
+/// Allocates the technique's maps. Throws base::Error(failed) when there is no memory for them.
+std::unique_ptr<Technique> makeTechnique(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings);
+
+/// Half-width r of a filter's kernel in texels, so that it reads texel centres up to r + ½ from the receiver:
+/// 0 nearest, ½ the hardware's 2×2, 1 for 3×3 with bilinear weights.
+double kernelRadius(const Settings& settings);
+/// #define lines for lib/bias.glsl and lib/filter.glsl.
+std::vector<std::string> samplingDefines(const Settings& settings);
+
+}  // namespace dapple::shadow
