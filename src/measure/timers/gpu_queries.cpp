@@ -19,9 +19,7 @@ uint64_t counterDifference(uint64_t begin, uint64_t end, int bits, bool& wrapped
     return (end - begin) & mask;
 }
 
-GpuQueryTimer::GpuQueryTimer(GLenum target) : target_(target) {
-    glGetQueryiv(target_, GL_QUERY_COUNTER_BITS, &bits_);
-}
+GpuQueryTimer::GpuQueryTimer(GLenum target) { glGetQueryiv(target, GL_QUERY_COUNTER_BITS, &bits_); }
 
 GpuQueryTimer::~GpuQueryTimer() {
     for (Slot& slot : slots_) glDeleteQueries(GLsizei(slot.queries.size()), slot.queries.data());
@@ -31,7 +29,7 @@ GLuint GpuQueryTimer::nextQuery() {
     assert(open_);
     if (open_->used == open_->queries.size()) {
         GLuint query = 0;
-        glCreateQueries(target_, 1, &query);
+        glGenQueries(1, &query);
         open_->queries.push_back(query);
     }
     return open_->queries[open_->used++];

@@ -26,7 +26,7 @@ public:
     std::vector<FrameTimes> drain() override;
 
 protected:
-    /// `target`: of all queries of this ring, since a query object stays tied to its first target.
+    /// `target`: of all queries of this ring, since a query object stays tied to its first.
     explicit GpuQueryTimer(GLenum target);
     /// The frame's next query, not yet issued.
     GLuint nextQuery();
@@ -47,7 +47,6 @@ private:
     enum class Wait { no, yes };
     bool collectOldest(Wait wait);
 
-    GLenum target_;
     int bits_ = 0;
     std::array<Slot, kRingSlots> slots_;
     std::deque<Slot*> pending_;  ///< oldest first

@@ -1,0 +1,78 @@
+#include "measure/counters.h"
+
+#include "base/error.h"
+
+#include <array>
+#include <vector>
+
+namespace dapple::measure {
+
+namespace {
+
+using enum Better;
+
+constexpr std::array kMetrics{
+    // time
+    MetricInfo{metric::kFrameTime, "ms", lower, false, "whole frame, without fences between its passes"},
+    MetricInfo{metric::kPassTime, "ms", lower, false, "one pass, timed in frames of its own"},
+    MetricInfo{metric::kFirstFrame, "ms", lower, false, "wall time of the first frame: compilation, uploads, first use"},
+    // GL queries around each pass of an untimed frame
+    MetricInfo{metric::kSamplesPassed, "samples", lower, true, "samples that passed the depth and stencil tests"},
+    MetricInfo{metric::kFragmentInvocations, "invocations", lower, true,
+               "fragment shader invocations; helper lanes and hidden fragments may count, as the driver likes"},
+    MetricInfo{metric::kVertexInvocations, "invocations", lower, true, "vertex shader invocations"},
+    MetricInfo{metric::kPrimitivesSubmitted, "primitives", lower, true, "primitives that the GPU was given, before culling"},
+    MetricInfo{"overshade", "", lower, true, "fragment invocations / samples passed"},
+    // the CPU's ledger
+    MetricInfo{"draw_calls", "calls", lower, true, "draw commands; a multi-draw counts once"},
+    MetricInfo{"triangles_submitted", "triangles", lower, true, "triangles that the CPU asked for, times instances"},
+    MetricInfo{"texels_allocated", "texels", lower, true, "texels of the technique's maps"},
+    MetricInfo{"texels_written", "texels", lower, true, "texels of the maps that the frame cleared or rendered"},
+    MetricInfo{"texture_bytes", "B", lower, true, "format x extent x layers x mips x samples of the technique's maps"},
+    MetricInfo{"driver_bytes", "B", lower, false, "GPU memory that the technique took by the driver's own figure"},
+    // overdraw of the camera's view
+    MetricInfo{"overdraw_mean", "fragments/pixel", lower, true, "fragments per pixel"},
+    MetricInfo{"overdraw_max", "fragments/pixel", lower, true, "most fragments of one pixel"},
+    MetricInfo{"overdraw_0", "pixels", none, true, "pixels with no fragment"},
+    MetricInfo{"overdraw_1", "pixels", none, true, "pixels with 1 fragment"},
+    MetricInfo{"overdraw_2", "pixels", none, true, "pixels with 2 fragments"},
+    MetricInfo{"overdraw_3-4", "pixels", none, true, "pixels with 3 or 4 fragments"},
+    MetricInfo{"overdraw_5-8", "pixels", none, true, "pixels with 5 to 8 fragments"},
+    MetricInfo{"overdraw_9-16", "pixels", none, true, "pixels with 9 to 16 fragments"},
+    MetricInfo{"overdraw_>16", "pixels", none, true, "pixels with more than 16 fragments"},
+    // image error against the ray-traced reference, shares of the valid pixels
+    MetricInfo{"error", "", lower, true, "false_shadow + false_light"},
+    MetricInfo{"false_shadow", "", lower, true, "dark where the reference is lit"},
+    MetricInfo{"false_shadow_boundary", "", lower, true, "... within 2 px of the reference's shadow boundary"},
+    MetricInfo{"false_shadow_interior", "", lower, true, "... farther: acne"},
+    MetricInfo{"false_light", "", lower, true, "lit where the reference is dark"},
+    MetricInfo{"false_light_boundary", "", lower, true, "... within 2 px of the reference's shadow boundary"},
+    MetricInfo{"false_light_interior", "", lower, true, "... farther: leak"},
+    MetricInfo{"mean_absolute", "", lower, true, "mean |visibility - reference|"},
+    MetricInfo{"edge_mean", "px", lower, true, "mean distance between the shadow boundaries of image and reference"},
+    MetricInfo{"edge_p95", "px", lower, true, "95th percentile of that distance"},
+    MetricInfo{"edge_max", "px", lower, true, "greatest such distance"},
+    MetricInfo{"reference_floor", "", none, true, "error below which the reference cannot tell techniques apart"},
+    MetricInfo{"valid", "", none, true, "valid pixels / pixels"},
+    MetricInfo{"ambiguous", "", none, true, "ambiguous pixels / (valid + ambiguous)"},
+    MetricInfo{"shadowed", "", none, true, "pixels dark in the reference / valid"},
+};
+
+}  // namespace
+
+std::string_view betterName(Better better) {
+    return better == lower ? "lower" : better == higher ? "higher" : "none";
+}
+
+std::span<const MetricInfo> metrics() { return kMetrics; }
+
+const MetricInfo& metricInfo(std::string_view name) {
+    std::vector<std::string> known;
+    for (const MetricInfo& info : kMetrics) {
+        if (info.name == name) return info;
+        known.emplace_back(info.name);
+    }
+    throw base::UsageError(base::unknownName("metric", name, known));
+}
+
+}  // namespace dapple::measure

@@ -1,0 +1,90 @@
+#include "measure/counters/pipeline.h"
+
+#include "measure/counters.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <utility>
+
+namespace dapple::measure {
+
+std::optional<uint64_t> PassCounters::value(std::string_view metric) const {
+    const auto found = std::find_if(values.begin(), values.end(), [&](const auto& v) { return v.metric == metric; });
+    assert(found != values.end());
+    return found->value;
+}
+
+std::optional<double> PassCounters::overshade() const {
+    const auto samples = value(metric::kSamplesPassed), fragments = value(metric::kFragmentInvocations);
+    if (!samples || !fragments || *samples == 0) return {};
+    return double(*fragments) / double(*samples);
+}
+
+Counters::Counters() {
+    targets_ = {{GL_SAMPLES_PASSED, metric::kSamplesPassed, {}},
+                {GL_FRAGMENT_SHADER_INVOCATIONS_ARB, metric::kFragmentInvocations, {}},
+                {GL_VERTEX_SHADER_INVOCATIONS_ARB, metric::kVertexInvocations, {}},
+                {GL_PRIMITIVES_SUBMITTED_ARB, metric::kPrimitivesSubmitted, {}}};
+    const bool statistics = epoxy_gl_version() >= 46 || epoxy_has_gl_extension("GL_ARB_pipeline_statistics_query");
+    for (Target& t : targets_) {
+        if (t.target != GL_SAMPLES_PASSED && !statistics) {
+            t.missing = "no GL_ARB_pipeline_statistics_query";
+            continue;
+        }
+        GLint bits = 0;
+        glGetQueryiv(t.target, GL_QUERY_COUNTER_BITS, &bits);
+        if (bits == 0) t.missing = "the driver's counter has 0 bits";
+    }
+}
+
+Counters::~Counters() {
+    for (Pass& pass : passes_) glDeleteQueries(GLsizei(pass.queries.size()), pass.queries.data());
+}
+
+void Counters::begin(std::string_view pass) {
+    passes_.push_back({std::string(pass), std::vector<GLuint>(targets_.size(), 0)});
+    for (size_t i = 0; i < targets_.size(); ++i) {
+        if (!targets_[i].missing.empty()) continue;
+        // Not glCreateQueries: Mesa (22.3) refuses it the statistics targets that glBeginQuery takes.
+        glGenQueries(1, &passes_.back().queries[i]);
+        glBeginQuery(targets_[i].target, passes_.back().queries[i]);
+    }
+}
+
+void Counters::end() {
+    for (const Target& t : targets_)
+        if (t.missing.empty()) glEndQuery(t.target);
+}
+
+std::vector<PassCounters> Counters::results() {
+    std::vector<PassCounters> results;
+    for (Pass& pass : passes_) {
+        results.push_back({pass.name, {}});
+        for (size_t i = 0; i < targets_.size(); ++i) {
+            CounterValue value{targets_[i].metric, {}, targets_[i].missing};
+            if (value.missing.empty()) {
+                GLuint64 count = 0;
+                glGetQueryObjectui64v(pass.queries[i], GL_QUERY_RESULT, &count);
+                value.value = count;
+            }
+            results.back().values.push_back(std::move(value));
+        }
+        glDeleteQueries(GLsizei(pass.queries.size()), pass.queries.data());
+    }
+    passes_.clear();
+    return results;
+}
+
+std::optional<uint64_t> driverFreeBytes() {
+    std::array<GLint, 4> kibibytes{};
+    if (epoxy_has_gl_extension("GL_NVX_gpu_memory_info"))
+        glGetIntegerv(GL_GPU_MEMORY_INFO_CURRENT_AVAILABLE_VIDMEM_NVX, kibibytes.data());
+    else if (epoxy_has_gl_extension("GL_ATI_meminfo"))
+        glGetIntegerv(GL_TEXTURE_FREE_MEMORY_ATI, kibibytes.data());
+    else
+        return {};
+    return uint64_t(kibibytes[0]) * 1024;
+}
+
+}  // namespace dapple::measure

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace dapple::measure {
+
+struct CounterValue {
+    std::string_view metric;        ///< a name of metrics()
+    std::optional<uint64_t> value;
+    std::string missing;            ///< why there is no value
+};
+
+struct PassCounters {
+    std::string pass;
+    std::vector<CounterValue> values;  ///< one per metric, in a fixed order
+
+    /// Nothing when the counter is missing. `metric` must be one of the values'.
+    std::optional<uint64_t> value(std::string_view metric) const;
+    /// Fragment shader invocations per sample that passed (llvmpipe: 16 per tiny triangle, though it covers 3
+    /// samples). Nothing when either is missing or no sample passed.
+    std::optional<double> overshade() const;
+};
+
+/// GL queries around the passes of an untimed frame: samples_passed, fragment_invocations,
+/// vertex_invocations, primitives_submitted (ARB_pipeline_statistics_query). All are active at once, so that a
+/// pass must not run a SAMPLES_PASSED or statistics query of its own.
+/// Needs a current GL 4.5 context until it is destroyed.
+class Counters {
+public:
+    Counters();
+    ~Counters();
+    Counters(const Counters&) = delete;
+    Counters& operator=(const Counters&) = delete;
+
+    void begin(std::string_view pass);
+    void end();
+    /// Waits for all passes since the last call; their counts in the order of begin().
+    std::vector<PassCounters> results();
+
+private:
+    struct Target {
+        GLenum target;
+        std::string_view metric;
+        std::string missing;  ///< empty: supported
+    };
+    struct Pass {
+        std::string name;
+        std::vector<GLuint> queries;  ///< parallel to targets_; 0 where missing
+    };
+    std::vector<Target> targets_;
+    std::vector<Pass> passes_;
+};
+
+/// Free memory of the GPU in bytes as the driver tells it (NVX_gpu_memory_info, ATI_meminfo); nothing where it
+/// does not. What a technique takes is the difference of two calls.
+std::optional<uint64_t> driverFreeBytes();
+
+}  // namespace dapple::measure
