@@ -3,6 +3,7 @@
 #include "measure/subject.h"
 #include "shadow/registry.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,6 +66,8 @@ public:
     virtual std::unique_ptr<OpenPoint> open(const PointSpec& spec) = 0;
     /// JSON text of the machine's identity: GL strings, driver class, query bits, doctor's results, CPU model.
     virtual std::string identityJson() = 0;
+    /// Clock in seconds that sampled times are held against; empty: CLOCK_MONOTONIC. The fake one is simulated.
+    virtual std::function<double()> clock() const { return {}; }
     /// Drops caches of a scene that no later point needs.
     virtual void releaseScene(const std::string& scene) = 0;
 };

@@ -1,0 +1,89 @@
+#include "bench/best_points.h"
+
+#include "base/file.h"
+#include "bench/csv.h"
+#include "bench/table.h"
+#include "measure/counters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace dapple::bench {
+namespace {
+
+/// Takes the points that no other dominates out of `points`, fastest first.
+std::vector<MeasuredPoint> takeFront(std::vector<MeasuredPoint>& points) {
+    std::stable_sort(points.begin(), points.end(), [](const MeasuredPoint& a, const MeasuredPoint& b) {
+        return std::pair(a.frameMs, a.error) < std::pair(b.frameMs, b.error);
+    });
+    std::vector<MeasuredPoint> front, rest;
+    for (MeasuredPoint& p : points) (front.empty() || p.error < front.back().error ? front : rest).push_back(std::move(p));
+    points = std::move(rest);
+    return front;
+}
+
+/// The axes on which points of the same technique differ; all others would be noise.
+std::string distinguishingSettings(const PointSpec& spec, const Plan& plan) {
+    std::string text;
+    for (const auto& [axis, value] : spec.settings) {
+        const bool varies = std::any_of(plan.points.begin(), plan.points.end(), [&](const PlannedPoint& other) {
+            return other.spec.technique == spec.technique && other.spec.settings.at(axis) != value;
+        });
+        if (varies) text += fmt::format("{}{}={}", text.empty() ? "" : " ", axis, value);
+    }
+    return text;
+}
+
+}  // namespace
+
+std::vector<MeasuredPoint> measuredPoints(const std::filesystem::path& metricsCsv) {
+    const CsvTable table(base::readFile(metricsCsv), metricsCsv.string());
+    struct Found {
+        std::optional<double> error, frameMs, ratio, bytes;
+    };
+    std::vector<std::string> order;
+    std::map<std::string, Found> found;
+    for (size_t row = 0; row < table.rows(); ++row) {
+        const std::string& value = table.at(row, "median");
+        if (!table.at(row, "pass").empty() || value.empty() || table.at(row, "status") != "ok") continue;
+        if (shadow::technique(table.at(row, "technique")).family == "baseline") continue;
+        const std::string& id = table.at(row, "point_id");
+        if (!found.contains(id)) order.push_back(id);
+        Found& point = found[id];
+        const std::string& metric = table.at(row, "metric");
+        if (metric == "error") point.error = std::stod(value);
+        if (metric == measure::metric::kFrameTime) point.frameMs = std::stod(value);
+        if (metric == "to_unshadowed") point.ratio = std::stod(value);
+        if (metric == "texture_bytes") point.bytes = std::stod(value);
+    }
+    std::vector<MeasuredPoint> points;
+    for (const std::string& id : order)
+        if (const Found& p = found[id]; p.error && p.frameMs) points.push_back({id, *p.error, *p.frameMs, p.ratio, p.bytes});
+    return points;
+}
+
+std::vector<MeasuredPoint> bestPoints(std::vector<MeasuredPoint> points, size_t count) {
+    std::vector<MeasuredPoint> best;
+    while (best.size() < count && !points.empty()) {
+        const std::vector<MeasuredPoint> front = takeFront(points);
+        const size_t take = std::min(count - best.size(), front.size());
+        for (size_t i = 0; i < take; ++i) best.push_back(front[take == 1 ? 0 : i * (front.size() - 1) / (take - 1)]);
+    }
+    std::stable_sort(best.begin(), best.end(), [](const MeasuredPoint& a, const MeasuredPoint& b) { return a.frameMs < b.frameMs; });
+    return best;
+}
+
+std::string bestPointsTable(const std::vector<MeasuredPoint>& points, const Plan& plan) {
+    std::vector<std::vector<std::string>> rows{{"technique", "settings", "error", "frame", "over unshadowed", "textures"}};
+    for (const MeasuredPoint& p : points) {
+        const auto planned = std::find_if(plan.points.begin(), plan.points.end(), [&](const PlannedPoint& q) { return q.id == p.pointId; });
+        if (planned == plan.points.end()) continue;
+        rows.push_back({planned->spec.technique, distinguishingSettings(planned->spec, plan), fmt::format("{:.3f} %", 100 * p.error),
+                        fmt::format("{:.2f} ms", p.frameMs), p.overUnshadowed ? fmt::format("{:.2f}", *p.overUnshadowed) : "",
+                        p.textureBytes ? fmt::format("{:.1f} MiB", *p.textureBytes / 0x1p20) : ""});
+    }
+    return alignColumns(rows);
+}
+
+}  // namespace dapple::bench

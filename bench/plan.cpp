@@ -1,0 +1,137 @@
+#include "bench/plan.h"
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "bench/csv.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace dapple::bench {
+namespace {
+
+/// Registry's order, so that a plan's columns do not depend on the order of a sweep's keys.
+std::vector<std::string> axesOf(const Plan& plan) {
+    std::vector<std::string> names;
+    for (const shadow::Axis& axis : shadow::axes())
+        if (std::any_of(plan.points.begin(), plan.points.end(),
+                        [&](const PlannedPoint& p) { return p.spec.settings.contains(axis.name); }))
+            names.push_back(axis.name);
+    return names;
+}
+
+std::vector<std::string> viewsOf(const Sweep& sweep, const std::string& scene, const SceneFacts& facts) {
+    if (sweep.views.empty()) return {facts.views.at(0)};
+    for (const std::string& view : sweep.views)
+        if (std::find(facts.views.begin(), facts.views.end(), view) == facts.views.end())
+            throw base::UsageError(fmt::format("scene '{}': {}", scene, base::unknownName("view", view, facts.views)));
+    return sweep.views;
+}
+
+}  // namespace
+
+PointFilter::PointFilter(const std::vector<std::string>& patterns) {
+    for (const std::string& pattern : patterns) {
+        try {
+            patterns_.emplace_back(pattern, std::regex::ECMAScript | std::regex::icase);
+        } catch (const std::regex_error&) {
+            throw base::UsageError(fmt::format("--filter '{}' is not a regular expression; write e.g. 'uniform|lispsm' or 'size=(512|1024)'", pattern));
+        }
+    }
+}
+
+bool PointFilter::accepts(const PointSpec& spec) const {
+    const std::string text = fmt::format("{} {} {} {}", spec.scene, pointText(spec), spec.view, spec.stressCase);
+    return std::all_of(patterns_.begin(), patterns_.end(), [&](const std::regex& p) { return std::regex_search(text, p); });
+}
+
+std::string pointId(const PointSpec& spec, uint64_t sceneHash) {
+    base::Hasher hasher;
+    hasher.text(spec.technique);
+    hasher.value(shadow::technique(spec.technique).version);
+    for (const auto& [axis, value] : spec.settings) {
+        hasher.text(axis);
+        hasher.text(value);
+    }
+    hasher.value(sceneHash);
+    hasher.text(spec.stressCase);
+    hasher.text(spec.view);
+    hasher.value(spec.width);
+    hasher.value(spec.height);
+    return base::hex16(hasher.digest());
+}
+
+std::string pointText(const PointSpec& spec) {
+    std::string text = spec.technique;
+    for (const auto& [axis, value] : spec.settings) text += fmt::format(" {}={}", axis, value);
+    return text;
+}
+
+std::vector<Comparison> Plan::comparisons() const {
+    std::vector<Comparison> result;
+    const PointSpec* last = nullptr;
+    for (size_t i = 0; i < points.size(); ++i) {
+        if (!points[i].prunedBecause.empty()) continue;
+        const PointSpec& spec = points[i].spec;
+        if (!last || last->scene != spec.scene || last->stressCase != spec.stressCase || last->view != spec.view)
+            result.emplace_back();
+        result.back().points.push_back(i);
+        last = &spec;
+    }
+    return result;
+}
+
+std::string Plan::csv() const {
+    const std::vector<std::string> axes = axesOf(*this);
+    std::vector<std::string> row = {"point_id", "shard", "status", "reason", "scene", "technique", "view", "width", "height", "stress"};
+    row.insert(row.end(), axes.begin(), axes.end());
+    std::string text = csvRow(row);
+    for (const PlannedPoint& point : points) {
+        const PointSpec& s = point.spec;
+        row = {point.id, "0", point.prunedBecause.empty() ? "planned" : "pruned", point.prunedBecause,
+               s.scene, s.technique, s.view, fmt::format("{}", s.width), fmt::format("{}", s.height), s.stressCase};
+        for (const std::string& axis : axes) {
+            const auto found = s.settings.find(axis);
+            row.push_back(found == s.settings.end() ? std::string{} : found->second);
+        }
+        text += csvRow(row);
+    }
+    return text;
+}
+
+uint64_t Plan::hash() const {
+    base::Hasher hasher;
+    hasher.text(csv());
+    for (const int count : {sampling.maxWarmupFrames, sampling.framesPerBlock, sampling.passFramesPerBlock, sampling.minBlocks, sampling.maxBlocks})
+        hasher.value(count);
+    for (const double limit : {sampling.ciTarget, sampling.timeoutSeconds, sampling.budgetSeconds}) hasher.value(limit);
+    hasher.value(sampling.seed);
+    return hasher.digest();
+}
+
+Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filter) {
+    Plan plan{sweep.name, sweep.sampling, {}, {}};
+    const std::vector<std::string> stress = sweep.stress.empty() ? std::vector<std::string>{""} : sweep.stress;
+    const shadow::Limits limits = workbench.limits();
+    std::set<std::string> ids;  // two entries of a sweep may name the same point: it is measured once
+    for (const std::string& scene : sweep.scenes)
+        for (const std::string& stressName : stress) {
+            const SceneFacts facts = workbench.sceneFacts(scene, sweep.sceneSettings, stressName);
+            plan.sceneHashes[stressName.empty() ? scene : scene + "/" + stressName] = base::hex16(facts.contentHash);
+            for (const std::string& view : viewsOf(sweep, scene, facts))
+                for (const TechniqueEntry& entry : sweep.entries)
+                    for (const shadow::Settings& settings : expand(entry)) {
+                        PointSpec spec{scene, sweep.sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height};
+                        const std::string id = pointId(spec, facts.contentHash);
+                        if (!filter.accepts(spec) || !ids.insert(id).second) continue;
+                        const auto reason = shadow::pruneReason(shadow::technique(entry.technique), settings, facts.facts, limits);
+                        plan.points.push_back({id, std::move(spec), reason.value_or("")});
+                    }
+        }
+    if (plan.points.empty()) throw base::UsageError(fmt::format("sweep '{}': no point is left after --filter", sweep.name));
+    return plan;
+}
+
+}  // namespace dapple::bench

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "bench/sweep.h"
+#include "bench/workbench.h"
+
+#include <optional>
+#include <regex>
+#include <string>
+#include <vector>
+
+/// The plan: every point of a sweep, in the order in which its rows stand in the files of a run.
+namespace dapple::bench {
+
+struct PlannedPoint {
+    std::string id;  ///< 16 hex digits: canonical axes, technique's version, scene's content, view, resolution
+    PointSpec spec;
+    std::string prunedBecause;  ///< empty: the point runs
+};
+
+/// Points that are sampled together: same scene, stiff case and view; only so are their times comparable.
+struct Comparison {
+    std::vector<size_t> points;  ///< indices of planned points
+};
+
+struct Plan {
+    std::string sweepName;
+    measure::SamplingPlan sampling;
+    std::vector<PlannedPoint> points;
+    std::map<std::string, std::string> sceneHashes;  ///< "scene" or "scene/stress" → 16 hex digits
+
+    std::vector<Comparison> comparisons() const;
+    std::string csv() const;   ///< text of plan.csv
+    uint64_t hash() const;     ///< of the plan and of how it is sampled
+};
+
+/// Which points a person wants: every pattern must be found (regular expression, case ignored) in
+/// "scene technique view stress axis=value …".
+class PointFilter {
+public:
+    PointFilter() = default;
+    /// Throws UsageError for a malformed pattern.
+    explicit PointFilter(const std::vector<std::string>& patterns);
+    bool accepts(const PointSpec& spec) const;
+
+private:
+    std::vector<std::regex> patterns_;
+};
+
+std::string pointId(const PointSpec& spec, uint64_t sceneHash);
+
+/// "uniform size=1024 filter=pcf3"
+std::string pointText(const PointSpec& spec);
+
+/// Throws UsageError: unknown scene or view, or nothing is left after the filter.
+Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filter = {});
+
+}  // namespace dapple::bench

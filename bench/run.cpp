@@ -1,0 +1,168 @@
+#include "bench/run.h"
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "bench/csv.h"
+#include "bench/interrupt.h"
+#include "bench/provenance.h"
+#include "bench/rows.h"
+#include "bench/run_folder.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <new>
+
+namespace dapple::bench {
+namespace {
+
+class Runner {
+public:
+    Runner(const Plan& plan, Workbench& workbench, const RunOptions& options)
+        : plan_(plan), workbench_(workbench), options_(options), comparisons_(plan.comparisons()),
+          folder_(options.folder, plan.sweepName, base::hex16(plan.hash()), workbench.backend(), options.resume),
+          progress_("run (%)", 100) {
+        for (const Comparison& c : comparisons_) pointCount_ += c.points.size();
+    }
+
+    RunOutcome run() {
+        if (folder_.complete()) {
+            base::logInfo(fmt::format("{}: the run is complete; nothing to resume", options_.folder));
+            return outcome();
+        }
+        base::writeFile(std::filesystem::path(options_.folder) / "plan.csv", plan_.csv());
+        for (size_t i = 0; i < comparisons_.size(); ++i) {
+            if (!folder_.done(i)) measure(i);
+            finishedPoints_ += comparisons_[i].points.size();
+            const std::string& scene = specOf(comparisons_[i], 0).scene;
+            const bool needed = std::any_of(comparisons_.begin() + static_cast<ptrdiff_t>(i) + 1, comparisons_.end(),
+                                            [&](const Comparison& c) { return specOf(c, 0).scene == scene; });
+            if (!needed) workbench_.releaseScene(scene);
+        }
+        folder_.finish(runJson());
+        return outcome();
+    }
+
+private:
+    const PointSpec& specOf(const Comparison& comparison, size_t i) const { return plan_.points[comparison.points[i]].spec; }
+
+    void measure(size_t index) {
+        const Comparison& comparison = comparisons_[index];
+        const size_t count = comparison.points.size();
+        std::vector<PointFindings> findings(count);
+        std::vector<std::unique_ptr<OpenPoint>> open(count);
+        for (size_t i = 0; i < count; ++i) {
+            report(index, 0.3 * static_cast<double>(i) / static_cast<double>(count), pointText(specOf(comparison, i)));
+            prepare(specOf(comparison, i), findings[i], open[i]);
+        }
+
+        std::vector<measure::Subject*> subjects;
+        std::vector<size_t> pointOf;
+        for (size_t i = 0; i < count; ++i)
+            if (open[i]) {
+                subjects.push_back(open[i].get());
+                pointOf.push_back(i);
+            }
+        std::vector<std::optional<measure::ArmResult>> arms(count);
+        if (!subjects.empty()) {
+            measure::SamplingPlan sampling = plan_.sampling;
+            sampling.clockSeconds = workbench_.clock();
+            auto results = measure::sample(subjects, sampling, [&](const measure::SamplingProgress& p) {
+                const double share = p.blocksExpected > 0 ? static_cast<double>(p.blocksDone) / static_cast<double>(p.blocksExpected) : 0;
+                report(index, 0.3 + 0.7 * share, pointText(specOf(comparison, pointOf[p.arm])));
+            });
+            for (size_t a = 0; a < results.size(); ++a) {
+                findings[pointOf[a]].failure = results[a].error;
+                arms[pointOf[a]] = std::move(results[a]);
+            }
+        }
+        const RowContext context{folder_.runId(), workbench_.backend(), folder_.process()};
+        const ComparisonRows rows = comparisonRows(plan_, comparison, findings, arms, context);
+        folder_.append(index, rows.metrics, rows.samples);
+        for (size_t i = 0; i < count; ++i)
+            if (!findings[i].failure.empty())
+                base::logWarning(fmt::format("{} {} failed: {}", specOf(comparison, i).scene, pointText(specOf(comparison, i)), findings[i].failure));
+    }
+
+    /// Opens the point and takes what needs no clock. What fails here is a row, not the end of the run.
+    void prepare(const PointSpec& spec, PointFindings& found, std::unique_ptr<OpenPoint>& open) {
+        try {
+            open = workbench_.open(spec);
+            found.figures = open->counters();
+            for (Figure& figure : open->errors()) found.figures.push_back(std::move(figure));
+            found.leftOut = open->leftOut();
+            found.fallback = open->fallback();
+        } catch (const std::bad_alloc&) {
+            found.failure = "out of memory";
+        } catch (const std::exception& e) {
+            found.failure = e.what();
+        }
+        if (!found.failure.empty()) open.reset();
+    }
+
+    /// Progress, and the place where Ctrl-C is noticed. `share`: of this comparison, 0 … 1.
+    void report(size_t index, double share, const std::string& detail) {
+        const auto total = static_cast<double>(std::max<size_t>(pointCount_, 1));
+        const double done = static_cast<double>(finishedPoints_) + share * static_cast<double>(comparisons_[index].points.size());
+        progress_.update(static_cast<size_t>(100 * done / total), fmt::format("{} {}", specOf(comparisons_[index], 0).scene, detail));
+        if (interrupt_.requested())
+            throw base::Error(base::ExitCode::interrupted,
+                              fmt::format("interrupted; finished comparisons are safe: run the same command with --resume to go on in {}", options_.folder));
+    }
+
+    std::string runJson() const {
+        nlohmann::ordered_json json;
+        json["schema"] = kSchema;
+        json["run_id"] = folder_.runId();
+        json["plan_hash"] = base::hex16(plan_.hash());
+        json["sweep"] = plan_.sweepName;
+        json["argv"] = commandLine();
+        json["start"] = folder_.started();
+        json["end"] = utcNow();
+        json["processes"] = folder_.process() + 1;
+        json["backend"] = workbench_.backend();
+        json["build"] = buildJson();
+        json["machine"] = nlohmann::ordered_json::parse(workbench_.identityJson());
+        json["seeds"] = {{"sampling", plan_.sampling.seed}};
+        json["hashes"] = {{"scenes", plan_.sceneHashes}, {"shaders", shadersHash()}};
+        return json.dump(2) + "\n";
+    }
+
+    /// Counted from the file, because a resumed run did not see the points of the process before.
+    RunOutcome outcome() const {
+        RunOutcome result;
+        result.points = pointCount_;
+        const CsvTable table(base::readFile(folder_.metricsPath()), folder_.metricsPath().string());
+        for (size_t row = 0; row < table.rows(); ++row) {
+            result.failed += table.at(row, "status") == "failed";
+            result.invalid += table.at(row, "status") == "invalid";
+        }
+        return result;
+    }
+
+    const Plan& plan_;
+    Workbench& workbench_;
+    const RunOptions& options_;
+    InterruptScope interrupt_;
+    std::vector<Comparison> comparisons_;
+    RunFolder folder_;
+    base::Progress progress_;
+    size_t pointCount_ = 0, finishedPoints_ = 0;
+};
+
+}  // namespace
+
+RunOutcome runPlan(const Plan& plan, Workbench& workbench, const RunOptions& options) {
+    return Runner(plan, workbench, options).run();
+}
+
+void requireClean(const RunOutcome& outcome, const std::string& folder) {
+    if (outcome.clean()) return;
+    throw base::Error(base::ExitCode::failed, fmt::format("{} of {} points failed and {} rows are invalid; see status and flags in {}/metrics.csv",
+                                                          outcome.failed, outcome.points, outcome.invalid, folder));
+}
+
+}  // namespace dapple::bench

@@ -1,0 +1,40 @@
+#include "bench/scripts.h"
+
+#include "base/error.h"
+#include "base/file.h"
+#include "bench/process.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace dapple::bench {
+namespace fs = std::filesystem;
+namespace {
+
+void runScript(const std::vector<std::string>& args, const std::string& what) {
+    if (!fs::exists(args[1])) throw base::UsageError(fmt::format("{} is not part of this installation: use the source tree", args[1]));
+    const int status = runProgram(args);
+    if (status == 127) throw base::UsageError(fmt::format("cannot start {}; install it to {}", args[0], what));
+    if (status != 0) throw base::Error(static_cast<base::ExitCode>(status), fmt::format("could not {}: see the line above", what));
+}
+
+}  // namespace
+
+void plotRun(const std::string& folder) {
+    if (!fs::exists(fs::path(folder) / "metrics.csv"))
+        throw base::UsageError(fmt::format("{} holds no metrics.csv; name the folder of a finished run", folder));
+    runScript({"/usr/bin/python3", (base::homeFolder() / "bench/report/plot.py").string(), folder}, "draw the plot");
+}
+
+std::string plotOf(const std::string& folder) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+        if (entry.path().extension() == ".png") return entry.path().string();
+    return folder;
+}
+
+void writeBundle(const std::string& file) {
+    runScript({"/bin/bash", (base::homeFolder() / "bench/bundle.sh").string(), "-o", file}, "write the bundle");
+}
+
+}  // namespace dapple::bench

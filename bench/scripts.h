@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+namespace dapple::bench {
+
+/// Draws the figures of the run in `folder` with bench/report/plot.py. Throws UsageError if the folder holds
+/// no run; Error with the script's exit code if it fails, which has then said why.
+void plotRun(const std::string& folder);
+
+/// The work-precision diagram that plotRun() drew (.png); `folder` if there is none.
+std::string plotOf(const std::string& folder);
+
+/// Writes the relocatable archive with bench/bundle.sh. Throws as plotRun().
+void writeBundle(const std::string& file);
+
+}  // namespace dapple::bench

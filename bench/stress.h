@@ -1,0 +1,22 @@
+#pragma once
+
+#include "scenegen/scene.h"
+
+#include <span>
+#include <string>
+
+/// The stiff cases of the stability sweep: a scene as it is, pushed to where shadow techniques break.
+namespace dapple::bench {
+
+struct StressCase {
+    std::string name;
+    std::string description;
+    void (*apply)(scenegen::Scene&);  ///< changes the sun, every view, the origin or what casts
+};
+
+std::span<const StressCase> stressCases();
+
+/// Throws UsageError naming the nearest known case.
+const StressCase& stressCase(const std::string& name);
+
+}  // namespace dapple::bench
