@@ -3,6 +3,7 @@ import csv
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -219,6 +220,18 @@ def testRefusals(top):
         (folder / "plan.csv").read_text().splitlines()[0] + "\n"))
 
 
+def testSchema(top):
+    """The columns that the program writes are those that the page for readers explains."""
+    page = (SOURCE / "results/SCHEMA.md").read_text()
+    source = (SOURCE / "bench/rows.h").read_text()
+    for file, constant in (("metrics.csv", "kMetricsColumns"), ("samples.csv", "kSamplesColumns")):
+        written = set(re.findall(r'"(\w+)"', re.search(constant + r"\{(.*?)\}", source, re.S)[1]))
+        section = page.split(f"## {file}")[1].split("\n## ")[0]
+        rows = [line.split("|")[1] for line in section.splitlines() if line.startswith("| `")]
+        explained = set(re.findall(r"`(\w+)`", " ".join(rows)))
+        check(f"results/SCHEMA.md explains each column of {file}", written and written == explained, written ^ explained)
+
+
 def testSparse(top):
     """Shuffled columns and a run that measured little: still a report."""
     folder = FakeRun()
@@ -234,7 +247,7 @@ def testSparse(top):
 
 
 with tempfile.TemporaryDirectory() as scratch:
-    for test in (testDrawing, testTable, testStability, testRefusals, testSparse):
+    for test in (testDrawing, testTable, testStability, testRefusals, testSchema, testSparse):
         test(Path(scratch))
 if os.environ.get("KEEP"):
     for name, run in (("sweep", sweep()), ("stability", stability())):

@@ -63,7 +63,7 @@ def drawHeatMap(run, stem):
     bar = figure.colorbar(image, ax=axes, fraction=0.03, pad=0.02, aspect=15)
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value * 100:g} %"))
     bar.ax.yaxis.set_minor_formatter(NullFormatter())
-    bar.set_label("error", color=MUTED)
+    bar.ax.set_title("error", fontsize=8, color=MUTED)
     bar.outline.set_visible(False)
     return save(figure, stem)
 
