@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kEye = 1.7;       ///< metres above the ground
 constexpr int kMaxCells = 1024;    ///< per side of the height field
-constexpr int kHeadings = 24;
+constexpr int kHeadings = 16;
 constexpr size_t kGroundViews = 4;
 constexpr float kNone = std::numeric_limits<float>::max();
 
@@ -122,7 +122,7 @@ double sight(const HeightField& field, int x, int y, double heading) {
 
 std::vector<Spot> rankedSpots(const HeightField& field) {
     std::vector<Spot> spots;
-    const int stride = std::max(2, std::max(field.nx(), field.ny()) / 128);
+    const int stride = std::max(2, std::max(field.nx(), field.ny()) / 64);
     for (int y = 2; y < field.ny() - 2; y += stride)
         for (int x = 2; x < field.nx() - 2; x += stride) {
             if (!isFree(field, x, y)) continue;

@@ -169,9 +169,10 @@ FileMaterials readFileMaterials(const aiScene& scene, const fs::path& file, cons
         if (colour.empty()) colour = texturePath(source, aiTextureType_DIFFUSE, &uvChannel);
         if (!colour.empty()) m.texture = store.load(colour, texturePath(source, aiTextureType_OPACITY));
         if (m.texture >= 0) {
-            // Blender's old materials replace their colour by the texture; and many exporters leave a
-            // textured material black.
-            if (extension == ".blend" || std::max({m.albedo.r, m.albedo.g, m.albedo.b}) < 0.01f) m.albedo = glm::vec3(1);
+            // Blender's old materials replace their colour by the texture, AC3D adds emission to it up to
+            // white; and many exporters leave a textured material black.
+            const bool replaces = extension == ".blend" || extension == ".ac" || extension == ".acc";
+            if (replaces || std::max({m.albedo.r, m.albedo.g, m.albedo.b}) < 0.01f) m.albedo = glm::vec3(1);
             aiString mode;
             const bool opaque = gltf && source.Get("$mat.gltf.alphaMode", 0, 0, mode) == aiReturn_SUCCESS &&
                                 std::string(mode.C_Str()) == "OPAQUE";  // glTF 2.0 §3.9.4: alpha is ignored

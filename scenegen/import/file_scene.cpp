@@ -1,6 +1,8 @@
 #include "scenegen/import/file_scene.h"
 
 #include "base/error.h"
+#include "base/hash.h"
+#include "scenegen/import/normals.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
@@ -8,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <map>
 
 namespace dapple::scenegen {
@@ -20,6 +21,8 @@ glm::dmat4 toGlm(const aiMatrix4x4& m) {
 }
 
 glm::dvec3 toGlm(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+constexpr double kCreaseDegrees = 45;  ///< where a file has no normals; AC3D's default crease angle
 
 char defaultUp(const fs::path& file) {
     std::string extension = file.extension().string();
@@ -44,8 +47,10 @@ public:
         const FileMaterials materials = readFileMaterials(scene, file_, sidecar_);
         result_.textures = materials.textures;
         result_.materials = materials.materials;
-        for (unsigned i = 0; i < scene.mNumMeshes; ++i) result_.meshes.push_back(convert(*scene.mMeshes[i], materials));
+        for (unsigned i = 0; i < scene.mNumMeshes; ++i) addMesh(convert(*scene.mMeshes[i], materials));
         visit(*scene.mRootNode, glm::dmat4(1), true);
+        for (const Sidecar::Copy& copy : sidecar_.copies)
+            if (!worldFromNode_.contains(copy.node)) fail(fmt::format("its .toml copies node '{}', which does not exist", copy.node));
         readCameras(scene);
         readSun(scene);
         return std::move(result_);
@@ -60,7 +65,6 @@ private:
         if (fs::is_directory(file_, error)) fail("is a folder, not a scene");
         if (fs::file_size(file_, error) == 0) fail("is empty");
         importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-        importer_.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 45);
         importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
         const aiScene* scene = importer_.ReadFile(file_.string(), 0);
         if (!scene) {
@@ -70,8 +74,8 @@ private:
         if (!scene->mRootNode || scene->mNumMeshes == 0) fail("has no mesh");
         // Before any processing: it must not hide what is not finite.
         requireFinite(*scene, *scene->mRootNode);
-        scene = importer_.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
-                                              aiProcess_TransformUVCoords | aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
+        scene = importer_.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_TransformUVCoords |
+                                              aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
         if (!scene || scene->mNumMeshes == 0) fail("has no triangle");
         return *scene;
     }
@@ -105,7 +109,30 @@ private:
             const aiFace& face = source.mFaces[f];
             if (face.mNumIndices == 3) mesh.indices.insert(mesh.indices.end(), face.mIndices, face.mIndices + 3);
         }
+        // Not Assimp's: it does not split shared vertices at creases.
+        if (!source.HasNormals()) generateNormals(mesh, kCreaseDegrees);
         return mesh;
+    }
+
+    /// Formats without shared meshes (and Assimp's Blender reader) copy a mesh for every node: equal ones
+    /// are found again by content.
+    void addMesh(Mesh mesh) {
+        base::Hasher h;
+        h.array(std::span<const glm::vec3>(mesh.positions));
+        h.array(std::span<const uint32_t>(mesh.indices));
+        const auto same = [&](const Mesh& m) {
+            return m.positions == mesh.positions && m.indices == mesh.indices && m.normals == mesh.normals && m.uvs == mesh.uvs &&
+                   m.material == mesh.material;
+        };
+        std::vector<uint32_t>& candidates = meshesByHash_[h.digest()];
+        const auto it = std::ranges::find_if(candidates, [&](uint32_t i) { return same(result_.meshes[i]); });
+        if (it != candidates.end()) {
+            ourMesh_.push_back(*it);
+            return;
+        }
+        ourMesh_.push_back(uint32_t(result_.meshes.size()));
+        candidates.push_back(ourMesh_.back());
+        result_.meshes.push_back(std::move(mesh));
     }
 
     /// A transform between file spaces as one between ours: positions are turned and scaled on both sides.
@@ -117,11 +144,21 @@ private:
 
     void visit(const aiNode& node, const glm::dmat4& worldFromParent, bool castsShadow) {
         const std::string name = node.mName.C_Str();
-        if (matchesAny(name, sidecar_.drop)) return;
         castsShadow = castsShadow && !matchesAny(name, sidecar_.receivers);
         const glm::dmat4 world = worldFromParent * toGlm(node.mTransformation);
         worldFromNode_.emplace(name, world);
-        if (node.mNumMeshes > 0) result_.objects.push_back({name, conjugate(world), {node.mMeshes, node.mMeshes + node.mNumMeshes}, castsShadow});
+        if (node.mNumMeshes > 0) {
+            FileScene::Object object{name, conjugate(world), {}, castsShadow};
+            for (unsigned i = 0; i < node.mNumMeshes; ++i) object.meshes.push_back(ourMesh_[node.mMeshes[i]]);
+            for (const Sidecar::Copy& copy : sidecar_.copies) {
+                if (copy.node != name) continue;
+                result_.objects.push_back(object);
+                glm::dmat4& m = result_.objects.back().worldFromObject;
+                m = glm::rotate(glm::dmat4(1), glm::radians(copy.yaw), glm::dvec3(0, 0, 1)) * glm::dmat4(glm::dmat3(m));
+                m[3] = glm::dvec4(copy.to, 1);
+            }
+            if (!matchesAny(name, sidecar_.drop)) result_.objects.push_back(std::move(object));
+        }
         for (unsigned i = 0; i < node.mNumChildren; ++i) visit(*node.mChildren[i], world, castsShadow);
     }
 
@@ -140,7 +177,7 @@ private:
             view.up = glm::normalize(view.up);
             const double aspect = camera.mAspect > 0 ? double(camera.mAspect) : 4.0 / 3.0;
             const double fov = glm::degrees(2 * std::atan(std::tan(double(camera.mHorizontalFOV) / 2) / aspect));
-            if (fov > 1 && fov < 170) view.fovY = fov;
+            if (fov > 1 && fov < 170) view.fovY = fov;  // Assimp 5.2 delivers a hundredth of COLLADA's <yfov>
             view.far = 0;
             result_.views.push_back(view);
         }
@@ -162,6 +199,8 @@ private:
     const Sidecar& sidecar_;
     glm::dmat3 axes_;
     Assimp::Importer importer_;
+    std::map<uint64_t, std::vector<uint32_t>> meshesByHash_;
+    std::vector<uint32_t> ourMesh_;  ///< index into FileScene::meshes, per Assimp mesh
     std::map<std::string, glm::dmat4> worldFromNode_;
     FileScene result_;
 };

@@ -45,6 +45,13 @@ Sidecar readSidecar(const std::filesystem::path& file) {
         for (const std::string& folder : root.values("textures")) sidecar.textures.push_back(path.parent_path() / folder);
     if (root.has("drop")) sidecar.drop = root.values("drop");
     if (root.has("receivers")) sidecar.receivers = root.values("receivers");
+    for (base::ConfigTable& table : root.tables("copy")) {
+        Sidecar::Copy copy{table.text("node"), {}, table.number("yaw", 0, -360, 360)};
+        const auto to = table.numbers("to", 3);
+        copy.to = {to[0], to[1], to[2]};
+        table.finish();
+        sidecar.copies.push_back(std::move(copy));
+    }
     if (auto table = root.table("sun")) {
         Sun sun;
         sun.azimuth = table->number("azimuth", sun.azimuth, -360, 360);

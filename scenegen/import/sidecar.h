@@ -14,9 +14,13 @@ namespace dapple::scenegen {
 ///     up = "z"                     # axis of the file that points up: x, y or z
 ///     unit = 0.01                  # metres per unit of the file, > 0
 ///     textures = ["../textures"]   # further folders to search, relative to the file
-///     drop = ["BB_*", "SkyBox"]    # node names (shell patterns) that are left out with all their children
-///     receivers = ["ground*"]      # node names whose meshes cast no shadow
+///     drop = ["BB_*", "SkyBox"]    # node names (shell patterns) whose meshes are left out; children stay
+///     receivers = ["ground*"]      # node names whose meshes, and their children's, cast no shadow
 ///     cell = 128.0                 # metres; edge of the squares into which small static meshes are merged
+///     [[copy]]                     # one more instance of a node's meshes, dropped or not: for instancing that
+///     node = "floor1010"           # Assimp does not read, such as Blender's groups
+///     to = [45.9, -48.7, 1.8]      # metres, z up: replaces the node's place
+///     yaw = 2.5                    # degrees about the vertical, counter-clockwise, beside its own rotation
 ///     [sun]
 ///     azimuth = 135.0              # degrees clockwise from north (+y)
 ///     elevation = 45.0             # degrees
@@ -26,11 +30,17 @@ namespace dapple::scenegen {
 ///     target = [1, 20, 3]          # point looked at
 ///     fov = 60.0                   # vertical, degrees
 struct Sidecar {
+    struct Copy {
+        std::string node;
+        glm::dvec3 to{0};
+        double yaw = 0;
+    };
     std::optional<char> up;
     double unit = 1;
     std::vector<std::filesystem::path> textures;
     std::vector<std::string> drop, receivers;
     double cell = 128;
+    std::vector<Copy> copies;
     std::optional<Sun> sun;
     std::vector<View> views;  ///< eye in the file's world (z up, metres); far = 0: to be chosen
 };
