@@ -16,12 +16,6 @@ constexpr const char* kLeftOut = "left_out";
 constexpr const char* kFallback = "fallback";
 constexpr const char* kFailed = "failed";
 
-/// One line: a reason may quote a shader compiler.
-std::string oneLine(std::string text) {
-    std::replace_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
-    return text;
-}
-
 /// Columns behind `better` of one row.
 struct Values {
     std::string n, median, ciLo, ciHi, q1, q3, min, max, status, flags;
@@ -106,6 +100,11 @@ std::string sampleRows(const PlannedPoint& point, size_t armIndex, const measure
 }
 
 }  // namespace
+
+std::string oneLine(std::string text) {
+    std::replace_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
+    return text;
+}
 
 std::span<const measure::MetricInfo> runMetrics() {
     using enum measure::Better;

@@ -23,6 +23,9 @@ inline const std::array<std::string, 11> kSamplesColumns{"run_id", "point_id", "
 /// Metrics that the run itself adds to measure::metrics(): ratios of frame times, and rows that state a fact.
 std::span<const measure::MetricInfo> runMetrics();
 
+/// `text` with blanks for line breaks and tabs: a reason may quote a shader compiler.
+std::string oneLine(std::string text);
+
 /// What was found out about one point besides times.
 struct PointFindings {
     std::vector<Figure> figures;

@@ -84,7 +84,7 @@ private:
         folder_.append(index, rows.metrics, rows.samples);
         for (size_t i = 0; i < count; ++i)
             if (!findings[i].failure.empty())
-                base::logWarning(fmt::format("{} {} failed: {}", specOf(comparison, i).scene, pointText(specOf(comparison, i)), findings[i].failure));
+                base::logWarning(fmt::format("{} {} failed: {}", specOf(comparison, i).scene, pointText(specOf(comparison, i)), oneLine(findings[i].failure)));
     }
 
     /// Opens the point and takes what needs no clock. What fails here is a row, not the end of the run.

@@ -50,6 +50,9 @@ TechniqueEntry readEntry(base::ConfigTable& table) {
         for (std::string& value : values) value = located(table, axis.name, [&] { return axis.canonical(value); });
         entry.axes.emplace_back(axis.name, std::move(values));
     }
+    for (const std::string& key : table.keys())
+        if (!info.defaults.contains(key) && std::any_of(shadow::axes().begin(), shadow::axes().end(), [&](const auto& a) { return a.name == key; }))
+            table.fail(key, fmt::format("technique {} has no such axis", name));
     if (table.has("zip")) entry.zip = table.values("zip");
     size_t length = 0;
     for (const std::string& zipped : entry.zip) {

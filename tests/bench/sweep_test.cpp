@@ -1,0 +1,84 @@
+#include "bench/sweep.h"
+
+#include "bench/fixture.h"
+
+#include <set>
+
+namespace dapple::bench {
+namespace {
+
+const std::string kHead = "question = \"?\"\nscenes = [\"a\"]\n";
+
+std::string complaint(const std::string& toml) {
+    return messageOf([&] { parseSweep(toml, "s.toml"); });
+}
+
+TEST(Sweep, ExpandsTheProductWithTheLastAxisFastest) {
+    const Sweep sweep = parseSweep(kHead + "[[technique]]\nname = \"instanced\"\nrotations = [6, 12]\nsize = [128, 256]\n", "s.toml");
+    std::vector<std::string> seen;
+    for (const shadow::Settings& s : expand(sweep.entries.at(0))) seen.push_back(s.at("size") + "/" + s.at("rotations"));
+    EXPECT_EQ(seen, (std::vector<std::string>{"128/6", "128/12", "256/6", "256/12"}));
+}
+
+TEST(Sweep, ZippedAxesAdvanceTogether) {
+    const std::string head = kHead + "[[technique]]\nname = \"instanced\"\nupdate = [\"cached\", \"regenerate\"]\nzip = [\"size\", \"rotations\"]\n";
+    const Sweep sweep = parseSweep(head + "size = [128, 256, 512]\nrotations = [36, 12, 4]\n", "s.toml");
+    std::set<std::string> seen;
+    for (const shadow::Settings& s : expand(sweep.entries.at(0))) seen.insert(s.at("size") + "/" + s.at("rotations") + "/" + s.at("update"));
+    EXPECT_EQ(seen, (std::set<std::string>{"128/36/cached", "256/12/cached", "512/4/cached", "128/36/regenerate", "256/12/regenerate", "512/4/regenerate"}));
+    EXPECT_NE(complaint(head + "size = [128, 256]\nrotations = [36]\n").find("equally many"), std::string::npos);
+    EXPECT_NE(complaint(head + "size = [128, 256]\n").find("'rotations' is not an axis"), std::string::npos);
+}
+
+TEST(Sweep, BadInputNamesFileLineAndNearestName) {
+    const auto expect = [](const std::string& toml, const std::vector<std::string>& parts) {
+        const std::string line = complaint(toml);
+        for (const std::string& part : parts) EXPECT_NE(line.find(part), std::string::npos) << line << " lacks " << part;
+        EXPECT_EQ(line.find('\n'), std::string::npos);
+    };
+    expect("", {"s.toml", "empty"});
+    expect("question = \"x", {"s.toml:1", "TOML"});
+    expect(kHead, {"s.toml", "[[technique]]"});
+    expect("question = \"?\"\n[[technique]]\nname=\"uniform\"\n", {"s.toml", "scenes", "required"});
+    expect(kHead + "[[technique]]\nname = \"unifrom\"\n", {"s.toml:4", "unifrom", "'uniform'"});
+    expect(kHead + "[[technique]]\nname = \"uniform\"\nsise = 3\n", {"s.toml:5", "sise", "'size'"});
+    expect(kHead + "[[technique]]\nname = \"uniform\"\nsize = 0\n", {"s.toml:5", "size", "0 is outside"});
+    expect(kHead + "[[technique]]\nname = \"uniform\"\nsize = 1000000\n", {"s.toml:5", "size", "1000000 is outside"});
+    expect(kHead + "[[technique]]\nname = \"uniform\"\nsize = 1.5\n", {"s.toml:5", "size", "whole number"});
+    expect(kHead + "[[technique]]\nname = \"uniform\"\nfilter = \"pfc2\"\n", {"s.toml:5", "filter", "'pcf2'"});
+    expect(kHead + "[[technique]]\nname = \"uniform\"\nrotations = 3\n", {"s.toml:5", "rotations", "no such axis"});
+    expect(kHead + "resolutoin = [1, 2]\n[[technique]]\nname = \"uniform\"\n", {"s.toml:3", "'resolution'"});
+    expect(kHead + "resolution = [0, 2]\n[[technique]]\nname = \"uniform\"\n", {"s.toml:3", "resolution"});
+    expect(kHead + "stress = [\"zenith\"]\n[[technique]]\nname = \"uniform\"\n", {"s.toml:3", "stress case 'zenith'"});
+    expect(kHead + "[sampling]\nmin_blocks = 0\n[[technique]]\nname = \"uniform\"\n", {"s.toml:4", "min_blocks"});
+    expect("question = \"?\"\nscenes = [\"a\", \"a\"]\n[[technique]]\nname = \"uniform\"\n", {"s.toml:2", "named twice"});
+}
+
+TEST(Sweep, OverridesReplaceTheAxisEverywhereItExists) {
+    Sweep sweep = smallSweep();
+    overrideAxis(sweep, "size=64,128,1024");
+    EXPECT_EQ(expand(sweep.entries[0]).size(), 1u);  // unshadowed has no size
+    EXPECT_EQ(expand(sweep.entries[1]).size(), 3u);
+    EXPECT_EQ(expand(sweep.entries[2]).size(), 3u);
+    overrideAxis(sweep, "filter=pcf2");
+    for (const shadow::Settings& s : expand(sweep.entries[1])) EXPECT_EQ(s.at("filter"), "pcf2");
+    EXPECT_NE(messageOf([&] { overrideAxis(sweep, "siez=3"); }).find("'size'"), std::string::npos);
+    EXPECT_NE(messageOf([&] { overrideAxis(sweep, "rotations=3"); }).find("no technique"), std::string::npos);
+    EXPECT_EQ(codeOf([&] { overrideAxis(sweep, "size"); }), base::ExitCode::usage);
+    EXPECT_EQ(codeOf([&] { overrideAxis(sweep, "size=0"); }), base::ExitCode::usage);
+}
+
+TEST(Sweep, EveryNamedSweepReadsAndOpensWithItsQuestion) {
+    ASSERT_GE(listSweeps().size(), 5u);
+    for (const SweepFile& file : listSweeps()) {
+        EXPECT_EQ(base::readFile(file.path).substr(0, 2), "# ") << file.path;
+        const Sweep sweep = readSweep(file.name);
+        EXPECT_FALSE(sweep.question.empty());
+        for (const TechniqueEntry& entry : sweep.entries) EXPECT_FALSE(expand(entry).empty());
+    }
+    EXPECT_NE(messageOf([] { readSweep("quik"); }).find("'quick'"), std::string::npos);
+    EXPECT_EQ(codeOf([] { readSweep("no/such.toml"); }), base::ExitCode::usage);
+}
+
+}  // namespace
+}  // namespace dapple::bench
