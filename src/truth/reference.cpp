@@ -89,8 +89,8 @@ void label(Packet& packet, const Occluders& occluders, const Occluders::Placemen
     setEpsilon(packet, occluders, placement);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    // Not RTC_INTERSECT_CONTEXT_FLAG_COHERENT: with it, occlusion packets in robust scenes of Embree 3.13.5
-    // never return.
+    // Not RTC_INTERSECT_CONTEXT_FLAG_COHERENT: with it, rtcOccluded16 of Embree 3.13.5 (AVX-512) was seen
+    // never to return, on a box as on a forest.
     int blocked[kLanes] = {};
     for (const float offset : kOffsets) {
         alignas(64) RTCRay16 ray;
