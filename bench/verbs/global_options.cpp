@@ -7,8 +7,13 @@
 namespace dapple::bench {
 
 void addGlobalOptions(CLI::App& app) {
-    app.add_option("--device", "EGL device as `dapple doctor` lists them; default: the first that works")->expected(1)->check(CLI::NonNegativeNumber);
-    app.add_option("--backend", "timer: gpu_timestamp, gpu_elapsed, cpu_finish, or fake (no GL, invented times, for tests of the tool)")->expected(1);
+    app.add_option("--device", "EGL device as `dapple doctor` lists them; default: the first that works")
+        ->expected(1)
+        ->type_name("N")
+        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
+    app.add_option("--backend", "timer: gpu_timestamp, gpu_elapsed, cpu_finish, or fake (no GL, invented times, for tests of the tool)")
+        ->expected(1)
+        ->type_name("NAME");
 }
 
 GlobalOptions globalOptions(const CLI::App& app) {

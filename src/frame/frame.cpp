@@ -77,7 +77,7 @@ void Frame::drawFullscreen() const {
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& programs, PassTally& tally) {
+void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally) {
     glViewport(0, 0, camera_.width, camera_.height);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -86,8 +86,8 @@ void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& program
         setView(program);
         program.use();
         const gpuscene::DrawCount count = scene_->draw(list, bucket, attributes, program.name());
-        tally.draws += count.draws;
-        tally.triangles += count.triangles;
+        tally.drawCalls += count.draws;
+        tally.trianglesSubmitted += count.triangles;
     };
     draw(programs.opaque, Bucket::opaque, programs.opaqueAttributes);
     draw(programs.alpha, Bucket::alphaTested, Attributes::all);
@@ -95,7 +95,7 @@ void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& program
 
 Pass Frame::gbufferPass() {
     if (!gbuffer_) gbuffer_ = std::make_shared<Programs>(*scene_, "passes/gbuffer.frag");
-    return {"gbuffer", {}, {"gbuffer", "depth"}, "colour, normals and depth of what the view sees", "", [this](PassTally& tally) {
+    return {"gbuffer", {}, {"gbuffer", "depth"}, "colour, normals and depth of what the view sees", "", [this](measure::Ledger& tally) {
                 scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
                 const float zero[4] = {0, 0, 0, 0};
                 glBindFramebuffer(GL_FRAMEBUFFER, gbufferTarget_.name());
@@ -108,7 +108,7 @@ Pass Frame::gbufferPass() {
 
 Pass Frame::barePass() {
     if (!bare_) bare_ = std::make_shared<Programs>(*scene_, "passes/bare.frag");
-    return {"bare", {}, {"shaded"}, "every instance, nothing culled", "", [this](PassTally& tally) {
+    return {"bare", {}, {"shaded"}, "every instance, nothing culled", "", [this](measure::Ledger& tally) {
                 // The loop has no visibility of its own, so its instances are listed and uploaded once.
                 if (everything_.data.empty()) scene_->collect(camera_.eye, [](uint32_t) { return true; }, everything_);
                 const float zero[4] = {0, 0, 0, 0};
@@ -127,7 +127,7 @@ Pass Frame::shadePass(bool shadowed) {
     std::vector<std::string> reads{"gbuffer", "depth"};
     if (shadowed) reads.push_back("visibility");
     return {"shade", reads, {"shaded"}, "ambient, diffuse and specular light; shadow dims the second and removes the third", "",
-            [this, &program, shadowed](PassTally& tally) {
+            [this, &program, shadowed](measure::Ledger& tally) {
                 glBindFramebuffer(GL_FRAMEBUFFER, shadedTarget_.name());
                 glViewport(0, 0, camera_.width, camera_.height);
                 glEnable(GL_FRAMEBUFFER_SRGB);
@@ -139,7 +139,7 @@ Pass Frame::shadePass(bool shadowed) {
                     glBindSampler(3, nearest_.name());
                 }
                 drawFullscreen();
-                ++tally.draws;
+                ++tally.drawCalls;
             }};
 }
 
@@ -169,7 +169,7 @@ void Frame::countGeometry() {
     glClearBufferfv(GL_DEPTH, 0, zero);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    PassTally ignored;
+    measure::Ledger ignored;
     drawGeometry(visible_, *count_, ignored);
     gl::resetState();
 }

@@ -17,6 +17,9 @@ class Frame {
 public:
     Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int width, int height);
 
+    /// Moves the camera; resolution and targets stay.
+    void look(const scenegen::View& view) { camera_ = Camera(view, camera_.width, camera_.height); }
+
     const gpuscene::GpuScene& scene() const { return *scene_; }
     const Camera& camera() const { return camera_; }
     const glm::dvec3& light() const { return light_; }  ///< unit, direction in which the light travels
@@ -58,7 +61,7 @@ public:
 
 private:
     struct Programs;
-    void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, PassTally& tally);
+    void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally);
 
     const gpuscene::GpuScene* scene_;
     Camera camera_;

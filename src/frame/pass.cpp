@@ -30,7 +30,7 @@ void execute(std::span<const Pass> passes, PassObserver& observer) {
         if (!pass.leftOut.empty()) continue;
         glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, pass.name.c_str());
         gl::resetState();
-        PassTally tally;
+        measure::Ledger tally;
         observer.beginPass(pass);
         pass.record(tally);
         observer.endPass(pass, tally);

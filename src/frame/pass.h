@@ -1,5 +1,7 @@
 #pragma once
 
+#include "measure/counters/ledger.h"
+
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -8,13 +10,6 @@
 
 namespace dapple::frame {
 
-/// What a pass submitted, counted on the CPU as it records.
-struct PassTally {
-    size_t draws = 0;
-    size_t triangles = 0;
-    size_t texelsWritten = 0;  ///< shadow-map texels cleared or rendered to
-};
-
 /// One step of a frame. Only execute() runs it, wrapped in debug label, clean GL state and measurements.
 struct Pass {
     std::string name;                 ///< as in the `pass` column
@@ -22,7 +17,7 @@ struct Pass {
     std::vector<std::string> writes;
     std::string why;                  ///< one line for `dapple list` and the JSON beside a picture
     std::string leftOut;              ///< not empty: the scene does not need this pass, for this reason
-    std::function<void(PassTally&)> record;  ///< issues the GL calls; state is reset around it
+    std::function<void(measure::Ledger&)> record;  ///< issues the GL calls; state is reset around it
 };
 
 /// The one seam around every pass.
@@ -30,7 +25,7 @@ class PassObserver {
 public:
     virtual ~PassObserver() = default;
     virtual void beginPass(const Pass&) {}
-    virtual void endPass(const Pass&, const PassTally&) {}
+    virtual void endPass(const Pass&, const measure::Ledger&) {}
 };
 
 /// Names of the passes that run, in order.

@@ -11,6 +11,6 @@ std::unique_ptr<Technique> makeInstanced(frame::Frame& frame, const Settings& se
 /// Draws a list's casters, opaque then alpha-tested, with the light's matrix. `alpha` may be empty where the
 /// scene has no alpha-tested mesh, `opaque` where it has nothing else.
 void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const glm::dmat4& lightClip,
-                 const gl::Program& opaque, const gl::Program& alpha, frame::PassTally& tally);
+                 const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally);
 
 }  // namespace dapple::shadow

@@ -7,15 +7,6 @@
 #include <stdexcept>
 
 namespace dapple::shadow {
-namespace {
-
-/// V = 1 without any work: the frame that shadows are added to.
-class Unshadowed final : public Technique {
-public:
-    std::vector<frame::Pass> passes() override { return {}; }
-};
-
-}  // namespace
 
 double kernelRadius(const Settings& settings) {
     const std::string& filter = settings.at("filter");
@@ -31,21 +22,20 @@ std::vector<std::string> samplingDefines(const Settings& settings) {
 }
 
 void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const glm::dmat4& lightClip,
-                 const gl::Program& opaque, const gl::Program& alpha, frame::PassTally& tally) {
+                 const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally) {
     const auto draw = [&](const gl::Program& program, gpuscene::Bucket bucket, gpuscene::Attributes attributes) {
         if (!program.name()) return;
         program.set("uLightClip", glm::mat4(lightClip));
         program.use();
         const gpuscene::DrawCount count = scene.draw(list, bucket, attributes, program.name());
-        tally.draws += count.draws;
-        tally.triangles += count.triangles;
+        tally.drawCalls += count.draws;
+        tally.trianglesSubmitted += count.triangles;
     };
     draw(opaque, gpuscene::Bucket::opaque, gpuscene::Attributes::position);
     draw(alpha, gpuscene::Bucket::alphaTested, gpuscene::Attributes::positionUv);
 }
 
 std::unique_ptr<Technique> makeTechnique(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings) {
-    if (info.family == "baseline") return std::make_unique<Unshadowed>();
     if (info.family == "map") return makeMap(frame, settings);
     if (info.family == "instanced") return makeInstanced(frame, settings);
     throw std::logic_error("no maker for family " + info.family);

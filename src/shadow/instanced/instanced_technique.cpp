@@ -38,7 +38,7 @@ public:
         map_ = gl::Texture(GL_DEPTH_COMPONENT32F, size_, size_, int(types_.size()) * rotations_);
         for (int i = 0; i < map_.layers(); ++i) targets_.push_back(gl::makeFramebuffer({}, &map_, i));
         if (cached()) {
-            frame::PassTally ignored;
+            measure::Ledger ignored;
             gl::resetState();
             renderMaps(ignored);
             gl::resetState();
@@ -51,11 +51,11 @@ public:
         else if (cached()) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes{
             {"maps", {}, {"maps"}, fmt::format("{} rotations of each caster type", rotations_), mapsLeftOut,
-             [this](frame::PassTally& tally) { renderMaps(tally); }},
+             [this](measure::Ledger& tally) { renderMaps(tally); }},
             {"begin", {"gbuffer", "depth"}, {"visibility", "depth-copy"}, "lit where the surface faces the sun; depth to read", "",
-             [this](frame::PassTally& tally) { begin(tally); }},
+             [this](measure::Ledger& tally) { begin(tally); }},
             {"volumes", {"visibility", "depth-copy"}, {"visibility"}, "look-ups inside each instance's bounding shadow volume",
-             volumesLeftOut, [this](frame::PassTally& tally) { renderVolumes(volumes_, tally); }}};
+             volumesLeftOut, [this](measure::Ledger& tally) { renderVolumes(volumes_, tally); }}};
         if (rotations_ == 1 && settings_.at("rotations") != "1")
             passes.insert(passes.begin(), frame::Pass{"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated: one map per type serves", {}});
         return passes;
@@ -82,7 +82,7 @@ public:
         glClearBufferfv(GL_COLOR, 0, zero);
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
-        frame::PassTally ignored;
+        measure::Ledger ignored;
         if (!types_.empty()) submitVolumes(count_, ignored);
         gl::resetState();
         return true;
@@ -166,7 +166,7 @@ private:
                                          glm::dvec4(basis_.l / range, -type.depthNear / range), glm::dvec4(0, 0, 0, 1)));
     }
 
-    void renderMaps(frame::PassTally& tally) {
+    void renderMaps(measure::Ledger& tally) {
         glViewport(0, 0, size_, size_);
         glEnable(GL_DEPTH_TEST);
         for (Type& type : types_)
@@ -180,14 +180,14 @@ private:
             }
     }
 
-    void begin(frame::PassTally& tally) {
+    void begin(measure::Ledger& tally) {
         glBindFramebuffer(GL_FRAMEBUFFER, beginTarget_.name());
         glViewport(0, 0, frame_.camera().width, frame_.camera().height);
         frame_.setView(begin_);
         begin_.use();
         frame_.bindGeometry();
         frame_.drawFullscreen();
-        ++tally.draws;
+        ++tally.drawCalls;
     }
 
     /// Instances whose shadow volume can meet a receiver in view.
@@ -215,7 +215,7 @@ private:
         rotationBuffer_.update(rotations.size() * sizeof(glm::vec2), rotations.data());
     }
 
-    void submitVolumes(const gl::Program& program, frame::PassTally& tally) {
+    void submitVolumes(const gl::Program& program, measure::Ledger& tally) {
         collectCasters();
         glViewport(0, 0, frame_.camera().width, frame_.camera().height);
         // z-fail: back faces that lie behind the scene (smaller depth, as z is reversed), whatever side the eye is on.
@@ -245,12 +245,12 @@ private:
             program.set("uDepthRange", glm::vec2(type->depthNear, 1 / (type->depthFar - type->depthNear)));
             program.set("uWindows[0]", std::span<const glm::vec4>(type->windows));
             glDrawArraysInstancedBaseInstance(GL_TRIANGLES, 0, 72, GLsizei(range.count), range.first);
-            ++tally.draws;
-            tally.triangles += 24 * size_t(range.count);
+            ++tally.drawCalls;
+            tally.trianglesSubmitted += 24 * size_t(range.count);
         }
     }
 
-    void renderVolumes(const gl::Program& program, frame::PassTally& tally) {
+    void renderVolumes(const gl::Program& program, measure::Ledger& tally) {
         glBindFramebuffer(GL_FRAMEBUFFER, volumeTarget_.name());
         glColorMask(GL_TRUE, GL_FALSE, GL_FALSE, GL_FALSE);  // validity stays
         glEnable(GL_BLEND);

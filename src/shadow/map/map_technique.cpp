@@ -20,16 +20,8 @@ public:
     MapTechnique(frame::Frame& frame, const Settings& settings)
         : frame_(frame), settings_(settings), size_(std::stoi(settings.at("size"))), layers_(std::stoi(settings.at("cascades"))),
           kind_(settings.at("fit") == "scene" ? FitKind::scene : settings.at("fit") == "lispsm" ? FitKind::lispsm : FitKind::frustum),
-          basis_(lightBasis(frame.light(), frame.camera().forward)), cascades_(size_t(layers_)) {
-        for (uint32_t i = 0; i < frame.scene().instanceBoxes().size(); ++i) {
-            const base::DBox box = frame.relativeBox(i);
-            if (box.empty()) continue;
-            sceneBox_.extend(box);
-            for (int corner = 0; corner < 8; ++corner) sceneBounds_.extend(basis_.toLight(box.corner(corner)));
-        }
-        fitCascades();
-        const bool anyMap = std::any_of(cascades_.begin(), cascades_.end(), [&](const Cascade& c) { return needed(c).empty(); });
-        if (anyMap) {
+          cascades_(size_t(layers_)) {
+        if (frame.scene().facts().casters) {
             map_ = gl::Texture(GL_DEPTH_COMPONENT32F, size_, size_, layers_);
             for (int i = 0; i < layers_; ++i) cascades_[size_t(i)].target = gl::makeFramebuffer({}, &map_, i);
         }
@@ -42,17 +34,18 @@ public:
     }
 
     std::vector<frame::Pass> passes() override {
+        fitCascades();
         std::vector<frame::Pass> passes;
         std::vector<std::string> reads{"gbuffer", "depth"};
         for (int i = 0; i < layers_; ++i) {
             const std::string name = layers_ == 1 ? "map" : fmt::format("map{}", i);
             const std::string leftOut = needed(cascades_[size_t(i)]);
             passes.push_back({name, {}, {name}, "depth of the casters seen from the sun", leftOut,
-                              [this, i](frame::PassTally& tally) { renderMap(i, tally); }});
+                              [this, i](measure::Ledger& tally) { renderMap(i, tally); }});
             if (leftOut.empty()) reads.push_back(name);
         }
         passes.push_back({"resolve", reads, {"visibility"}, "one comparison per pixel", "",
-                          [this](frame::PassTally& tally) { resolve(tally); }});
+                          [this](measure::Ledger& tally) { resolve(tally); }});
         return passes;
     }
 
@@ -90,7 +83,15 @@ private:
     /// Cheap enough to be redone in every frame, as a moving camera would have to.
     void fitCascades() {
         const frame::Camera& camera = frame_.camera();
-        std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox_);
+        basis_ = lightBasis(frame_.light(), camera.forward);
+        base::DBox sceneBox, sceneBounds;
+        for (uint32_t i = 0; i < frame_.scene().instanceBoxes().size(); ++i) {
+            const base::DBox box = frame_.relativeBox(i);
+            if (box.empty()) continue;
+            sceneBox.extend(box);
+            for (int corner = 0; corner < 8; ++corner) sceneBounds.extend(basis_.toLight(box.corner(corner)));
+        }
+        const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
         double near = camera.far, far = camera.near;
         for (const glm::dvec3& p : body) {
             near = std::min(near, glm::dot(p, camera.forward));
@@ -105,12 +106,12 @@ private:
             c.far = splits[size_t(i) + 1];
             // Slices overlap by a thousandth, so that rounding cannot leave a pixel between two of them.
             const double sliceNear = i == 0 ? camera.near : splits[size_t(i)] * 0.999, sliceFar = i == layers_ - 1 ? camera.far : c.far * 1.001;
-            c.body = layers_ == 1 ? body : viewBody(camera, sliceNear, sliceFar, sceneBox_);
-            c.fit = fitLight(kind_, basis_, camera, c.body, sceneBounds_, size_, pad);
+            c.body = layers_ == 1 ? body : viewBody(camera, sliceNear, sliceFar, sceneBox);
+            c.fit = fitLight(kind_, basis_, camera, c.body, sceneBounds, size_, pad);
         }
     }
 
-    void renderMap(int index, frame::PassTally& tally) {
+    void renderMap(int index, measure::Ledger& tally) {
         if (index == 0) fitCascades();
         Cascade& c = cascades_[size_t(index)];
         const gpuscene::GpuScene& scene = frame_.scene();
@@ -130,7 +131,7 @@ private:
         drawCasters(scene, c.casters, c.fit.clipFromRelative, depth_, depthAlpha_, tally);
     }
 
-    void resolve(frame::PassTally& tally) {
+    void resolve(measure::Ledger& tally) {
         glBindFramebuffer(GL_FRAMEBUFFER, frame_.visibilityTarget().name());
         glViewport(0, 0, frame_.camera().width, frame_.camera().height);
         std::array<glm::mat4, 8> clips{};
@@ -138,8 +139,7 @@ private:
         for (size_t i = 0; i < cascades_.size(); ++i) {
             const LightFit& fit = cascades_[i].fit;
             clips[i] = glm::mat4(fit.clipFromRelative);
-            const bool present = map_.name() && needed(cascades_[i]).empty();
-            splits[i] = {float(cascades_[i].far), float(fit.depthRange * 0x1p-23), present, 0};
+            splits[i] = {float(cascades_[i].far), float(fit.depthRange * 0x1p-23), needed(cascades_[i]).empty(), 0};
         }
         frame_.setView(resolve_);
         resolve_.set("uBasisU", glm::vec3(basis_.u));
@@ -154,7 +154,7 @@ private:
         glBindTextureUnit(3, map_.name());
         glBindSampler(3, sampler_.name());
         frame_.drawFullscreen();
-        ++tally.draws;
+        ++tally.drawCalls;
     }
 
     frame::Frame& frame_;
@@ -162,8 +162,6 @@ private:
     int size_, layers_;
     FitKind kind_;
     LightBasis basis_;
-    base::DBox sceneBox_;     // relative to the eye
-    base::DBox sceneBounds_;  // light space
     gl::Texture map_;
     gl::Sampler sampler_;
     gl::Program depth_, depthAlpha_, resolve_;

@@ -1,0 +1,264 @@
+#include "bench/gl_workbench.h"
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "bench/stress.h"
+#include "measure/counters.h"
+#include "measure/counters/overdraw.h"
+#include "measure/counters/pipeline.h"
+#include "measure/flags.h"
+#include "scenegen/library.h"
+#include "truth/metrics.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dapple::bench {
+namespace {
+
+using nlohmann::json;
+
+std::string sceneKey(const std::string& scene, const std::vector<std::string>& settings, const std::string& stressCase) {
+    return fmt::format("{}\n{}\n{}", scene, fmt::join(settings, "\n"), stressCase);
+}
+
+Figure figure(std::string_view pass, std::string_view metric, std::optional<double> value, std::string_view flags = {}) {
+    const measure::MetricInfo& info = measure::metricInfo(metric);
+    return {std::string(pass), std::string(metric), std::string(info.unit), std::string(measure::betterName(info.better)), value,
+            std::string(flags)};
+}
+
+class TimedPasses final : public frame::PassObserver {
+public:
+    explicit TimedPasses(measure::Timer& timer) : timer_(timer) {}
+    void beginPass(const frame::Pass&) override { timer_.beginPass(); }
+    void endPass(const frame::Pass&, const measure::Ledger&) override { timer_.endPass(); }
+
+private:
+    measure::Timer& timer_;
+};
+
+class CountedPasses final : public frame::PassObserver {
+public:
+    void beginPass(const frame::Pass& pass) override { counters_.begin(pass.name); }
+    void endPass(const frame::Pass&, const measure::Ledger& ledger) override {
+        counters_.end();
+        ledgers.push_back(ledger);
+    }
+    std::vector<measure::PassCounters> results() { return counters_.results(); }
+    std::vector<measure::Ledger> ledgers;
+
+private:
+    measure::Counters counters_;
+};
+
+class GlPoint final : public OpenPoint {
+public:
+    GlPoint(std::shared_ptr<SharedFrame> shared, measure::Timer& timer, const PointSpec& spec)
+        : shared_(std::move(shared)), timer_(timer), freeBefore_(measure::driverFreeBytes()),
+          renderer_(shared_->frame, shadow::technique(spec.technique), spec.settings), passNames_(frame::runningPasses(renderer_.passes())) {
+        gl::checkErrors(("making technique " + spec.technique).c_str());
+        driverBytes_ = measure::driverFreeBytes();
+        if (driverBytes_) driverBytes_ = *freeBefore_ - std::min(*driverBytes_, *freeBefore_);
+    }
+
+    const std::vector<std::string>& passNames() const override { return passNames_; }
+
+    void submitFrame(bool perPass) override {
+        TimedPasses observer(timer_);
+        timer_.beginFrame(perPass);
+        renderer_.render(observer);
+        timer_.endFrame();
+    }
+
+    std::vector<measure::FrameTimes> drain() override {
+        std::vector<measure::FrameTimes> frames = timer_.drain();
+        gl::checkErrors("timed frames");
+        return frames;
+    }
+
+    std::vector<Figure> counters() override {
+        CountedPasses observer;
+        renderer_.render(observer);
+        const std::vector<measure::PassCounters> passes = observer.results();
+        std::vector<Figure> figures;
+        std::map<std::string_view, std::optional<uint64_t>> totals;
+        measure::Ledger total;
+        for (size_t i = 0; i < passes.size(); ++i) {
+            for (const measure::CounterValue& counter : passes[i].values) {
+                figures.push_back(figure(passes[i].pass, counter.metric, counter.value, counter.missing));
+                auto& sum = totals.try_emplace(counter.metric, 0).first->second;
+                sum = sum && counter.value ? std::optional(*sum + *counter.value) : std::nullopt;
+            }
+            if (passes[i].overshade()) figures.push_back(figure(passes[i].pass, "overshade", passes[i].overshade()));
+            appendLedger(figures, passes[i].pass, observer.ledgers[i]);
+            total += observer.ledgers[i];
+        }
+        for (const auto& [metric, sum] : totals) figures.push_back(figure("", metric, sum));
+        appendLedger(figures, "", total);
+        const gl::Texture* map = renderer_.technique() ? renderer_.technique()->map() : nullptr;
+        const double texels = map ? double(map->width()) * map->height() * std::max(map->layers(), 1) : 0;
+        figures.push_back(figure("", "texels_allocated", texels));
+        figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
+        figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
+        if (renderer_.hasVisibility()) appendOverdraw(figures);
+        return figures;
+    }
+
+    std::vector<Figure> errors() override {
+        if (!renderer_.hasVisibility()) return {};
+        const truth::Reference& reference = shared_->reference();
+        frame::PassObserver silent;
+        renderer_.render(silent);
+        const std::vector<float> visibility = renderer_.visibility();
+        const bool finite = std::all_of(visibility.begin(), visibility.end(), [](float v) { return std::isfinite(v); });
+        const truth::ErrorMetrics e = truth::measureError(reference, visibility);
+        const std::string flags = finite ? "" : "nonfinite";
+        std::vector<Figure> figures;
+        const auto add = [&](const char* metric, std::optional<double> value) { figures.push_back(figure("", metric, value, flags)); };
+        add("error", e.error);
+        add("false_shadow", e.falseShadow);
+        add("false_shadow_boundary", e.falseShadowBoundary);
+        add("false_shadow_interior", e.falseShadowInterior);
+        add("false_light", e.falseLight);
+        add("false_light_boundary", e.falseLightBoundary);
+        add("false_light_interior", e.falseLightInterior);
+        add("mean_absolute", e.meanAbsolute);
+        add("edge_mean", e.edgeMean);
+        add("edge_p95", e.edgeP95);
+        add("edge_max", e.edgeMax);
+        add("reference_floor", truth::referenceFloor(reference));
+        add("valid", e.valid);
+        add("ambiguous", e.ambiguous);
+        add("shadowed", e.shadowed);
+        return figures;
+    }
+
+    std::vector<PassNote> leftOut() const override {
+        std::vector<PassNote> notes;
+        for (const frame::Pass& pass : renderer_.passes())
+            if (!pass.leftOut.empty()) notes.push_back({pass.name, pass.leftOut});
+        return notes;
+    }
+    std::string fallback() const override { return renderer_.fallback(); }
+
+private:
+    static void appendLedger(std::vector<Figure>& figures, std::string_view pass, const measure::Ledger& ledger) {
+        figures.push_back(figure(pass, "draw_calls", double(ledger.drawCalls)));
+        figures.push_back(figure(pass, "triangles_submitted", double(ledger.trianglesSubmitted)));
+        figures.push_back(figure(pass, "texels_written", double(ledger.texelsWritten)));
+    }
+
+    void appendOverdraw(std::vector<Figure>& figures) {
+        const measure::OverdrawHistogram histogram = measure::overdrawHistogram(renderer_.overdraw().texels);
+        figures.push_back(figure("", "overdraw_mean", histogram.mean));
+        figures.push_back(figure("", "overdraw_max", double(histogram.max)));
+        for (size_t i = 0; i < measure::kOverdrawBins; ++i)
+            figures.push_back(figure("", "overdraw_" + std::string(measure::kOverdrawBinNames[i]), double(histogram.pixels[i])));
+    }
+
+    std::shared_ptr<SharedFrame> shared_;
+    measure::Timer& timer_;
+    std::optional<uint64_t> freeBefore_, driverBytes_;
+    shadow::Renderer renderer_;
+    std::vector<std::string> passNames_;
+};
+
+}  // namespace
+
+const truth::Reference& SharedFrame::reference() {
+    if (traced) return *traced;
+    frame::PassObserver silent;
+    const std::vector<frame::Pass> gbuffer{frame.gbufferPass()};
+    frame::execute(gbuffer, silent);
+    const truth::Receivers receivers = frame.readReceivers();
+    if (!frame.sunUp()) {
+        // No direct light at all: nothing that a technique could get right or wrong.
+        traced = truth::Reference{receivers.width, receivers.height, std::vector<truth::Label>(receivers.present.size(), truth::Label::excluded)};
+        return *traced;
+    }
+    if (!loaded->tracer) loaded->tracer.emplace(loaded->scene);
+    traced = truth::cachedReference(*loaded->tracer, loaded->hash, receivers, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
+    return *traced;
+}
+
+GlWorkbench::GlWorkbench(int device, const std::string& backend)
+    : context_(gl::Context::headless(device)), identity_(gl::identify()) {
+    if (backend.empty() && report().chosen.empty())
+        throw base::Error(base::ExitCode::failed, "no timer can be trusted here: even glFinish does not wait; `dapple doctor` says more");
+    timer_ = measure::makeTimer(backend.empty() ? report().chosen : backend);
+}
+
+const measure::TimerReport& GlWorkbench::report() {
+    if (!report_) report_ = measure::testTimers();
+    return *report_;
+}
+
+shadow::Limits GlWorkbench::limits() const { return {identity_.maxTextureSize, identity_.maxArrayLayers}; }
+
+std::shared_ptr<LoadedScene> GlWorkbench::load(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) {
+    auto& entry = scenes_[sceneKey(name, settings, stress)];
+    if (!entry) {
+        scenegen::Scene scene = scenegen::loadScene(name, settings);
+        if (!stress.empty()) stressCase(stress).apply(scene);
+        scenegen::validate(scene);
+        entry = std::make_shared<LoadedScene>(std::move(scene));
+    }
+    return entry;
+}
+
+SceneFacts GlWorkbench::sceneFacts(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) {
+    const auto loaded = load(name, settings, stress);
+    SceneFacts facts{loaded->gpu.facts(), loaded->hash, {}};
+    for (const scenegen::View& view : loaded->scene.views) facts.views.push_back(view.name);
+    return facts;
+}
+
+std::shared_ptr<SharedFrame> GlWorkbench::sharedFrame(const PointSpec& spec) {
+    const long limit = identity_.maxTextureSize;
+    if (spec.width < 1 || spec.height < 1 || spec.width > limit || spec.height > limit)
+        throw base::UsageError(fmt::format("resolution {}×{} is outside 1 … {} pixels", spec.width, spec.height, limit));
+    const std::string key = fmt::format("{}\n{}\n{}x{}", sceneKey(spec.scene, spec.sceneSettings, spec.stressCase), spec.view, spec.width, spec.height);
+    if (auto alive = frames_[key].lock()) return alive;
+    auto loaded = load(spec.scene, spec.sceneSettings, spec.stressCase);
+    const scenegen::View& view = loaded->scene.views[loaded->scene.viewIndex(spec.view)];
+    auto made = std::make_shared<SharedFrame>(loaded, view, spec.width, spec.height);
+    frames_[key] = made;
+    return made;
+}
+
+std::unique_ptr<OpenPoint> GlWorkbench::open(const PointSpec& spec) {
+    return std::make_unique<GlPoint>(sharedFrame(spec), *timer_, spec);
+}
+
+std::string GlWorkbench::identityJson() {
+    GLint profileBits = 0;
+    glGetQueryiv(GL_TIME_ELAPSED, GL_QUERY_COUNTER_BITS, &profileBits);
+    json identity{{"gl_vendor", identity_.vendor},
+                  {"gl_renderer", identity_.renderer},
+                  {"gl_version", identity_.version},
+                  {"glsl_version", identity_.glsl},
+                  {"platform", context_.platform()},
+                  {"driver_class", identity_.software ? "software" : "hardware"},
+                  {"query_bits", {{"time_elapsed", profileBits}}},
+                  {"max_texture_size", identity_.maxTextureSize},
+                  {"doctor", json::parse(report().json())},
+                  {"shader_hash", base::hex16(gl::shaderTreeHash())}};
+    return identity.dump();
+}
+
+void GlWorkbench::releaseScene(const std::string& scene) {
+    std::erase_if(scenes_, [&](const auto& entry) { return entry.first.starts_with(scene + "\n"); });
+    std::erase_if(frames_, [](const auto& entry) { return entry.second.expired(); });
+}
+
+std::unique_ptr<Workbench> makeGlWorkbench(int device, const std::string& backend) {
+    return std::make_unique<GlWorkbench>(device, backend);
+}
+
+}  // namespace dapple::bench

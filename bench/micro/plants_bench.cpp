@@ -1,0 +1,57 @@
+#include "scenegen/library.h"
+#include "scenegen/plants/bark.h"
+#include "scenegen/plants/tree.h"
+#include "scenegen/plants/tube.h"
+
+#include <benchmark/benchmark.h>
+
+namespace {
+using namespace dapple::scenegen;
+
+void countTriangles(benchmark::State& state, size_t triangles) {
+    state.counters["triangles"] = benchmark::Counter(double(triangles), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+/// Control points to limit positions and normals, 16 branches at a time.
+void tubes(benchmark::State& state) {
+    const TubeTopology& topology = tubeTopology(6, 9, int(state.range(0)));
+    std::vector<float> controls(topology.controls() * 3 * kLanes);
+    for (size_t i = 0; i < controls.size(); ++i) controls[i] = float(i * 2654435761u % 1000) * 0.001f;
+    std::vector<glm::vec3> positions(topology.vertices() * kLanes), normals(positions.size());
+    for (auto _ : state) {
+        evaluateTubes(topology, controls.data(), kLanes, positions.data(), normals.data());
+        benchmark::ClobberMemory();
+    }
+    countTriangles(state, topology.indices.size() / 3 * kLanes);
+}
+BENCHMARK(tubes)->Arg(0)->Arg(1)->Arg(2);
+
+/// Skeleton to finished buffers (positions, normals, indices) in fresh memory: trunk, limbs and twigs of one tree.
+void bark(benchmark::State& state, const char* name) {
+    const Species species = loadSpecies(name);
+    Skeleton skeleton = growSkeleton(species, 1);
+    const BarkPlan plan = planBark(species, skeleton, 0);
+    for (auto _ : state) benchmark::DoNotOptimize(buildBark(species, skeleton, plan));
+    countTriangles(state, plan.triangles);
+}
+BENCHMARK_CAPTURE(bark, oak, "oak");
+BENCHMARK_CAPTURE(bark, fir, "fir");
+
+void wholeTree(benchmark::State& state, const char* name, LeafMode leaves) {
+    const Species species = loadSpecies(name);
+    uint64_t seed = 0;
+    for (auto _ : state) benchmark::DoNotOptimize(growTree(species, {++seed, 36000, leaves}));
+    countTriangles(state, 36000);
+}
+BENCHMARK_CAPTURE(wholeTree, oakPolygons, "oak", LeafMode::polygon);
+BENCHMARK_CAPTURE(wholeTree, oakCards, "oak", LeafMode::card);
+BENCHMARK_CAPTURE(wholeTree, firCards, "fir", LeafMode::card);
+
+/// A recipe to a validated scene: reading, growing, placing, checking.
+void scene(benchmark::State& state, const char* name) {
+    for (auto _ : state) benchmark::DoNotOptimize(loadScene(name));
+}
+BENCHMARK_CAPTURE(scene, forest105, "forest-105")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(scene, forestSmall, "forest-small")->Unit(benchmark::kMillisecond);
+
+}  // namespace

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "bench/gl_workbench.h"
+
+#include <filesystem>
+#include <span>
+
+namespace dapple::bench {
+
+/// One kind of picture that `dapple render --what` makes.
+struct PictureKind {
+    std::string name, description;
+};
+std::span<const PictureKind> pictureKinds();
+
+/// Renders one picture, .png (false colours) or .exr (the numbers), and beside it a .json with camera and light
+/// matrices, sun and sizes. Throws UsageError: unknown kind or suffix, a kind that the technique does not have.
+void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::string& what, const std::filesystem::path& file);
+
+}  // namespace dapple::bench

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "bench/workbench.h"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include <string>
+#include <vector>
+
+namespace dapple::bench {
+
+/// The arguments that `render` and `view` share: one point.
+struct PointOptions {
+    std::string scene, technique, view, stress, resolution = "1024x768";
+    std::vector<std::string> axes, settings;
+
+    void addTo(CLI::App& verb);
+    /// Throws UsageError: unknown technique, axis, value or stiff case, or a malformed resolution. An empty view
+    /// becomes the scene's first.
+    PointSpec spec(Workbench& workbench) const;
+};
+
+}  // namespace dapple::bench

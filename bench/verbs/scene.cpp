@@ -1,0 +1,70 @@
+#include "base/hash.h"
+#include "base/log.h"
+#include "bench/verbs/verbs.h"
+#include "scenegen/export/glb.h"
+#include "scenegen/library.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+namespace dapple::bench {
+namespace {
+
+size_t meshBytes(const scenegen::Scene& scene) {
+    size_t sum = 0;
+    for (const scenegen::Prototype& prototype : scene.prototypes)
+        for (const scenegen::Mesh& mesh : prototype.meshes)
+            sum += mesh.positions.size() * sizeof(glm::vec3) + mesh.normals.size() * sizeof(glm::vec3) +
+                   mesh.uvs.size() * sizeof(glm::vec2) + mesh.indices.size() * sizeof(uint32_t);
+    return sum;
+}
+
+void printStats(const scenegen::Scene& scene, double seconds) {
+    const scenegen::Facts f = scene.facts();
+    const auto line = [](std::string_view key, const std::string& value) { fmt::print("{:<18} {}\n", key, value); };
+    const auto fact = [](bool has) { return has ? "yes" : "no"; };
+    line("scene", scene.name);
+    line("hash", base::hex16(scene.contentHash()));
+    line("triangles", fmt::format("{} in all, {} stored", f.triangles, f.uniqueTriangles));
+    line("instances", fmt::format("{} of {} prototypes", f.instances, f.prototypes));
+    line("materials", fmt::format("{}, {} textures", f.materials, scene.textures.size()));
+    if (!f.box.empty())
+        line("bounds [m]", fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", f.box.lo.x, f.box.lo.y, f.box.lo.z, f.box.hi.x, f.box.hi.y, f.box.hi.z));
+    line("origin [m]", fmt::format("({}, {}, {})", scene.origin.x, scene.origin.y, scene.origin.z));
+    line("sun [degrees]", fmt::format("azimuth {}, elevation {}", scene.sun.azimuth, scene.sun.elevation));
+    for (const auto& [name, has] : {std::pair{"alpha-tested", f.alphaTested}, {"rotated", f.rotated}, {"scaled", f.scaled},
+                                    {"closed casters", f.closed}, {"moving", f.moving}, {"casters", f.casters}, {"receivers", f.receivers}})
+        line(name, fact(has));
+    for (const scenegen::View& v : scene.views)
+        line("view", fmt::format("{}: eye ({:.6g}, {:.6g}, {:.6g}), {}° across the height, {} … {} m", v.name, v.eye.x, v.eye.y, v.eye.z, v.fovY, v.near, v.far));
+    line("made in", fmt::format("{:.3f} s, {:.1f} MiB of meshes", seconds, double(meshBytes(scene)) / (1 << 20)));
+}
+
+}  // namespace
+
+void addScene(CLI::App& app) {
+    struct Options {
+        std::string scene, file;
+        std::vector<std::string> settings;
+        bool stats = false;
+    };
+    CLI::App* verb = app.add_subcommand("scene", "Make or import a scene: print what it has, write it as glTF");
+    auto options = std::make_shared<Options>();
+    verb->add_option("scene", options->scene, "name of a scene (dapple list scenes) or a file that Assimp opens")->required();
+    verb->add_option("-s,--set", options->settings, "key=value of the recipe; repeatable");
+    verb->add_flag("--stats", options->stats, "print triangles, instances, bounds, facts, views, time and memory");
+    verb->add_option("-o,--output", options->file, "FILE.glb: glTF 2.0 with instancing");
+    verb->footer("Examples:\n  dapple scene forest-105 --stats\n  dapple scene forest-small -s seed=7 -o forest.glb\n  dapple scene model.obj --stats");
+    verb->callback([options] {
+        const auto start = std::chrono::steady_clock::now();
+        const scenegen::Scene scene = scenegen::loadScene(options->scene, options->settings);
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        if (options->stats || options->file.empty()) printStats(scene, seconds);
+        if (options->file.empty()) return;
+        scenegen::writeGlb(scene, options->file);
+        base::logInfo("wrote " + options->file);
+    });
+}
+
+}  // namespace dapple::bench

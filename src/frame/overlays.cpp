@@ -1,0 +1,99 @@
+#include "frame/overlays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace dapple::frame {
+namespace {
+
+using Colour = std::array<uint8_t, 3>;
+
+template <class F>
+base::Image8 paint(int width, int height, const F& colourOf) {
+    base::Image8 image{width, height, 3, std::vector<uint8_t>(size_t(width) * size_t(height) * 3)};
+    for (size_t i = 0; i < size_t(width) * size_t(height); ++i) {
+        const Colour c = colourOf(i);
+        std::copy(c.begin(), c.end(), &image.texels[i * 3]);
+    }
+    return image;
+}
+
+uint8_t byte(double v) { return uint8_t(std::lround(std::clamp(v, 0.0, 1.0) * 255)); }
+Colour grey(double v) { return {byte(v), byte(v), byte(v)}; }
+
+/// Piecewise linear through five colours of increasing lightness, readable without colour vision.
+Colour heat(double t) {
+    constexpr std::array<std::array<double, 3>, 5> kStops{{{0, 0, 0.02}, {0.34, 0.06, 0.43}, {0.74, 0.21, 0.33}, {0.98, 0.55, 0.04}, {0.99, 1, 0.64}}};
+    const double x = std::clamp(t, 0.0, 1.0) * 4;
+    const size_t i = std::min(size_t(x), size_t(3));
+    Colour c{};
+    for (size_t k = 0; k < 3; ++k) c[k] = byte(kStops[i][k] + (kStops[i + 1][k] - kStops[i][k]) * (x - double(i)));
+    return c;
+}
+
+constexpr Colour kAmbiguous{255, 0, 255}, kExcluded{74, 85, 104}, kFalseShadow{230, 30, 30}, kFalseLight{40, 110, 255};
+
+}  // namespace
+
+base::Image8 paintVisibility(std::span<const float> visibility, int width, int height) {
+    return paint(width, height, [&](size_t i) { return grey(double(visibility[i])); });
+}
+
+base::Image8 paintReference(const truth::Reference& reference) {
+    return paint(reference.width, reference.height, [&](size_t i) -> Colour {
+        switch (reference.label[i]) {
+            case truth::Label::lit: return {255, 255, 255};
+            case truth::Label::shadowed: return {0, 0, 0};
+            case truth::Label::ambiguous: return kAmbiguous;
+            default: return kExcluded;
+        }
+    });
+}
+
+base::Image8 paintError(const base::Image8& shaded, const truth::Reference& reference, std::span<const float> visibility) {
+    return paint(reference.width, reference.height, [&](size_t i) -> Colour {
+        const truth::Label label = reference.label[i];
+        const bool dark = visibility[i] < 0.5f;
+        if (label == truth::Label::lit && dark) return kFalseShadow;
+        if (label == truth::Label::shadowed && !dark) return kFalseLight;
+        if (label == truth::Label::ambiguous) return kAmbiguous;
+        const uint8_t* s = &shaded.texels[i * 3];
+        return grey(0.55 + 0.4 * (0.3 * s[0] + 0.6 * s[1] + 0.1 * s[2]) / 255);
+    });
+}
+
+base::Image8 paintOverdraw(const base::ImageF& counts) {
+    return paint(counts.width, counts.height, [&](size_t i) { return heat(std::log2(1 + double(counts.texels[i])) / std::log2(33.0)); });
+}
+
+base::Image8 paintDepth(const base::ImageF& depth, const Camera& camera) {
+    double lo = camera.far, hi = camera.near;
+    for (const float d : depth.texels)
+        if (d > 0) {
+            lo = std::min(lo, camera.eyeDepth(double(d)));
+            hi = std::max(hi, camera.eyeDepth(double(d)));
+        }
+    const double range = std::max(std::log(hi / lo), 1e-9);
+    return paint(depth.width, depth.height, [&](size_t i) {
+        const double d = double(depth.texels[i]);
+        return d == 0 ? grey(0) : grey(1 - 0.85 * std::log(camera.eyeDepth(d) / lo) / range);
+    });
+}
+
+base::Image8 paintMap(std::span<const base::ImageF> layers) {
+    const int columns = int(std::ceil(std::sqrt(double(layers.size()))));
+    const int rows = (int(layers.size()) + columns - 1) / columns;
+    const int step = std::max(1, layers[0].width * columns / 2048), cell = layers[0].width / step;
+    base::Image8 sheet{cell * columns, cell * rows, 3, std::vector<uint8_t>(size_t(cell * columns) * size_t(cell * rows) * 3)};
+    for (size_t n = 0; n < layers.size(); ++n)
+        for (int y = 0; y < cell; ++y)
+            for (int x = 0; x < cell; ++x) {
+                const float d = layers[n].texels[size_t(y * step) * size_t(layers[n].width) + size_t(x * step)];
+                const Colour c = d >= 1 ? Colour{16, 24, 48} : grey(1 - 0.8 * double(d));
+                std::copy(c.begin(), c.end(), sheet.at(int(n) % columns * cell + x, int(n) / columns * cell + y));
+            }
+    return sheet;
+}
+
+}  // namespace dapple::frame

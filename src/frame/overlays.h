@@ -1,0 +1,25 @@
+#pragma once
+
+#include "base/image.h"
+#include "frame/camera.h"
+#include "truth/reference.h"
+
+#include <span>
+
+/// False-colour pictures of a frame's images, rows from the top.
+namespace dapple::frame {
+
+/// 0 black … 1 white.
+base::Image8 paintVisibility(std::span<const float> visibility, int width, int height);
+/// Lit white, shadowed black, ambiguous magenta, excluded slate.
+base::Image8 paintReference(const truth::Reference& reference);
+/// Over a faded picture: false shadow red, false light blue, ambiguous magenta.
+base::Image8 paintError(const base::Image8& shaded, const truth::Reference& reference, std::span<const float> visibility);
+/// Fragments per pixel, black (none) through violet, orange to pale yellow (32 and more), logarithmic.
+base::Image8 paintOverdraw(const base::ImageF& counts);
+/// Distance along the view, near light, far dark, logarithmic; sky black.
+base::Image8 paintDepth(const base::ImageF& depth, const Camera& camera);
+/// Layers of a light map side by side in a grid, near the sun light, empty dark blue; at most 2048 pixels across.
+base::Image8 paintMap(std::span<const base::ImageF> layers);
+
+}  // namespace dapple::frame

@@ -1,0 +1,57 @@
+#include "shadow/renderer.h"
+
+namespace dapple::shadow {
+namespace {
+
+/// At and below the horizon the sun reaches nothing: no technique runs, everything is dark.
+frame::Pass nightPass(frame::Frame& frame) {
+    return {"night", {"depth"}, {"visibility"}, "the sun is not above the horizon: no direct light anywhere", "",
+            [&frame](measure::Ledger&) {
+                const float dark[4] = {0, 0, 0, 0};
+                glBindFramebuffer(GL_FRAMEBUFFER, frame.visibilityTarget().name());
+                glClearBufferfv(GL_COLOR, 0, dark);
+            }};
+}
+
+}  // namespace
+
+Renderer::Renderer(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings)
+    : frame_(frame), info_(info), hasVisibility_(info.name != "bare"), shadowed_(info.family != "baseline") {
+    if (shadowed_ && frame.sunUp()) technique_ = makeTechnique(frame, info, settings);
+    if (shadowed_ && !frame.sunUp()) fallback_ = info.name + " → night: the sun is not above the horizon";
+    replan();
+}
+
+void Renderer::replan() {
+    passes_.clear();
+    if (!hasVisibility_) {
+        passes_.push_back(frame_.barePass());
+        return;
+    }
+    passes_.push_back(frame_.gbufferPass());
+    if (technique_) {
+        for (frame::Pass& pass : technique_->passes()) passes_.push_back(std::move(pass));
+    } else if (shadowed_) {
+        passes_.push_back({info_.name, {}, {}, info_.description, "the sun is not above the horizon", {}});
+        passes_.push_back(nightPass(frame_));
+    }
+    passes_.push_back(frame_.shadePass(shadowed_));
+    const std::vector<std::string> cached{"maps"};
+    frame::check(passes_, cached);
+}
+
+std::vector<float> Renderer::visibility() const {
+    if (!shadowed_) return std::vector<float>(size_t(frame_.camera().width) * size_t(frame_.camera().height), 1.0f);
+    return frame_.readVisibility();
+}
+
+std::string Renderer::fallback() const { return technique_ ? technique_->fallback() : fallback_; }
+
+base::ImageF Renderer::overdraw() {
+    frame::PassObserver silent;
+    render(silent);  // the depth that the count is tested against
+    if (!technique_ || !technique_->countOverdraw()) frame_.countGeometry();
+    return frame_.readChannel(frame_.overdraw());
+}
+
+}  // namespace dapple::shadow
