@@ -145,8 +145,10 @@ Material flatMaterial(const aiMaterial& source, bool linearColours) {
 
 }  // namespace
 
+std::string lowerExtension(const fs::path& file) { return lower(file.extension().string()); }
+
 FileMaterials readFileMaterials(const aiScene& scene, const fs::path& file, const Sidecar& sidecar) {
-    const std::string extension = lower(file.extension().string());
+    const std::string extension = lowerExtension(file);
     const bool gltf = extension == ".gltf" || extension == ".glb";
     TextureStore store(scene, file, sidecar);
     FileMaterials result;

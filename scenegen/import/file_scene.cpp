@@ -25,10 +25,11 @@ glm::dvec3 toGlm(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 constexpr double kCreaseDegrees = 45;  ///< where a file has no normals; AC3D's default crease angle
 
 char defaultUp(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    const std::string extension = lowerExtension(file);
     return extension == ".blend" || extension == ".stl" || extension == ".ply" ? 'z' : 'y';
 }
+
+bool isGltf(const fs::path& file) { return lowerExtension(file).starts_with(".gl"); }
 
 /// Rotation that takes the file's up axis to z. Entries are 0 and ±1: nothing is rounded.
 glm::dmat3 zUpFrom(char up) {
@@ -162,6 +163,14 @@ private:
         for (unsigned i = 0; i < node.mNumChildren; ++i) visit(*node.mChildren[i], world, castsShadow);
     }
 
+    /// Degrees.
+    double verticalFov(const aiCamera& camera) const {
+        const double aspect = double(camera.mAspect), horizontal = double(camera.mHorizontalFOV);
+        // Assimp's glTF reader stores yfov · aspect as the "horizontal" angle.
+        if (isGltf(file_)) return glm::degrees(aspect > 0 ? horizontal / aspect : horizontal);
+        return glm::degrees(2 * std::atan(std::tan(horizontal / 2) / (aspect > 0 ? aspect : 4.0 / 3.0)));
+    }
+
     void readCameras(const aiScene& scene) {
         for (unsigned i = 0; i < scene.mNumCameras; ++i) {
             const aiCamera& camera = *scene.mCameras[i];
@@ -169,15 +178,16 @@ private:
             if (node == worldFromNode_.end()) continue;
             View view;
             view.name = camera.mName.length > 0 ? camera.mName.C_Str() : fmt::format("camera{}", i);
-            view.eye = sidecar_.unit * (axes_ * glm::dvec3(node->second * glm::dvec4(toGlm(camera.mPosition), 1)));
+            // Assimp's glTF reader repeats the node's translation in the camera.
+            const glm::dvec3 inNode = isGltf(file_) ? glm::dvec3(0) : toGlm(camera.mPosition);
+            view.eye = sidecar_.unit * (axes_ * glm::dvec3(node->second * glm::dvec4(inNode, 1)));
             view.forward = axes_ * glm::dmat3(node->second) * toGlm(camera.mLookAt);
             view.up = axes_ * glm::dmat3(node->second) * toGlm(camera.mUp);
             if (!(glm::length(glm::cross(view.forward, view.up)) > 1e-9)) continue;
             view.forward = glm::normalize(view.forward);
             view.up = glm::normalize(view.up);
-            const double aspect = camera.mAspect > 0 ? double(camera.mAspect) : 4.0 / 3.0;
-            const double fov = glm::degrees(2 * std::atan(std::tan(double(camera.mHorizontalFOV) / 2) / aspect));
-            if (fov > 1 && fov < 170) view.fovY = fov;  // Assimp 5.2 delivers a hundredth of COLLADA's <yfov>
+            const double fov = verticalFov(camera);
+            if (fov > 1 && fov < 170) view.fovY = fov;  // Assimp 5.2 loses the angle of COLLADA: 0.8°
             view.far = 0;
             result_.views.push_back(view);
         }

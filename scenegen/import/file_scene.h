@@ -26,6 +26,9 @@ struct FileScene {
     std::optional<Sun> sun;   ///< the file's first directional light that shines downwards
 };
 
+/// ".obj" of "A.OBJ".
+std::string lowerExtension(const std::filesystem::path& file);
+
 /// Reads `file` with Assimp. Throws the UsageErrors of importFile().
 FileScene readFileScene(const std::filesystem::path& file, const Sidecar& sidecar);
 

@@ -298,7 +298,7 @@ TEST_F(Import, SidecarIsReadStrictly) {
 TEST_F(Import, CamerasAndSunOfTheFileAreUsed) {
     const std::string dae = R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><up_axis>Y_UP</up_axis></asset>
-<library_cameras><camera id="c"><optics><technique_common><perspective><xfov>57.268</xfov><aspect_ratio>1.5</aspect_ratio><znear>1</znear><zfar>9</zfar></perspective></technique_common></optics></camera></library_cameras>
+<library_cameras><camera id="c"><optics><technique_common><perspective><yfov>40</yfov><znear>1</znear><zfar>9</zfar></perspective></technique_common></optics></camera></library_cameras>
 <library_lights><light id="l"><technique_common><directional><color>1 1 1</color></directional></technique_common></light></library_lights>
 <library_geometries><geometry id="g"><mesh><source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
@@ -314,11 +314,19 @@ TEST_F(Import, CamerasAndSunOfTheFileAreUsed) {
     ASSERT_EQ(scene.views.size(), 1u);
     EXPECT_NEAR(glm::distance(scene.views[0].eye, glm::dvec3(1, -3, 2)), 0, 1e-5);
     EXPECT_NEAR(glm::distance(scene.views[0].forward, glm::dvec3(0, 1, 0)), 0, 1e-5);  // COLLADA looks along -z
-    EXPECT_NEAR(scene.views[0].fovY, 40, 0.01);  // tan(57.268°/2) / 1.5 = tan(20°)
     // Light along -z, tilted 30° down: it comes from the south (+z), 30° high.
     EXPECT_NEAR(scene.sun.azimuth, 180, 1e-3);
     EXPECT_NEAR(scene.sun.elevation, 30, 1e-3);
     expectUsageError(write("nan.dae", with("nan 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1")), {"node 'n'", "finite"});
+}
+
+TEST_F(Import, CameraAngleIsTheVerticalOne) {
+    std::string text = tetrahedronGltf({R"("camera":0,"name":"eye","translation":[0,0,9])"});
+    text.insert(1, R"("cameras":[{"type":"perspective","perspective":{"yfov":0.7,"aspectRatio":1.5,"znear":0.1}}],)");
+    const Scene scene = importFile(write("camera.gltf", text));
+    ASSERT_EQ(scene.views.size(), 1u);
+    EXPECT_NEAR(scene.views[0].fovY, glm::degrees(0.7), 1e-4);
+    EXPECT_NEAR(glm::distance(scene.views[0].eye, glm::dvec3(0, -9, 0)), 0, 1e-5);
 }
 
 TEST_F(Import, BadFilesAreNamed) {
