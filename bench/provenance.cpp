@@ -21,8 +21,9 @@ nlohmann::ordered_json buildJson() {
     };
     std::string commit, changes;
     if (fs::exists(home / "commit")) {
-        json["commit"] = trimmed(base::readFile(home / "commit"));
-        json["dirty"] = nullptr;
+        commit = trimmed(base::readFile(home / "commit"));
+        json["commit"] = commit.substr(0, commit.find("-dirty"));
+        json["dirty"] = commit.ends_with("-dirty");
     } else if (fs::exists(home / ".git") && runProgram({"git", "-C", home.string(), "rev-parse", "HEAD"}, &commit) == 0) {
         json["commit"] = trimmed(commit);
         const bool known = runProgram({"git", "-C", home.string(), "status", "--porcelain", "--untracked-files=no"}, &changes) == 0;

@@ -8,7 +8,7 @@
 namespace dapple::bench {
 
 /// Commit, whether the tree had changes, build type and compiler of this program. Commit and dirty are null
-/// where there is neither a git checkout nor the file `commit` that a bundle carries.
+/// where there is neither a git checkout nor the file `commit` that a bundle carries (git describe --always --dirty).
 nlohmann::ordered_json buildJson();
 
 /// 16 hex digits over the names and bytes of all files in homeFolder()/shaders.

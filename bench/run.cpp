@@ -26,6 +26,8 @@ public:
           folder_(options.folder, plan.sweepName, base::hex16(plan.hash()), workbench.backend(), options.resume),
           progress_("run (%)", 100) {
         for (const Comparison& c : comparisons_) pointCount_ += c.points.size();
+        if (pointCount_ < plan.points.size())
+            base::logInfo(fmt::format("{} of {} points are pruned; plan.csv says why", plan.points.size() - pointCount_, plan.points.size()));
     }
 
     RunOutcome run() {
@@ -54,31 +56,23 @@ private:
         const size_t count = comparison.points.size();
         std::vector<PointFindings> findings(count);
         std::vector<std::unique_ptr<OpenPoint>> open(count);
-        for (size_t i = 0; i < count; ++i) {
-            report(index, 0.3 * static_cast<double>(i) / static_cast<double>(count), pointText(specOf(comparison, i)));
-            prepare(specOf(comparison, i), findings[i], open[i]);
-        }
+        const auto forEachPoint = [&](double shareBefore, double share, const auto& work) {
+            for (size_t i = 0; i < count; ++i) {
+                report(index, shareBefore + share * static_cast<double>(i) / static_cast<double>(count), pointText(specOf(comparison, i)));
+                if (findings[i].failure.empty()) findings[i].failure = failureOf([&] { work(i); });
+                if (!findings[i].failure.empty()) open[i].reset();
+            }
+        };
+        forEachPoint(0, 0.2, [&](size_t i) { open[i] = workbench_.open(specOf(comparison, i)); });
+        const auto arms = sample(index, open, findings);
+        // After sampling: what these frames compile or cache must not hide what the first frame costs.
+        forEachPoint(0.8, 0.2, [&](size_t i) {
+            findings[i].figures = open[i]->counters();
+            for (Figure& figure : open[i]->errors()) findings[i].figures.push_back(std::move(figure));
+            findings[i].leftOut = open[i]->leftOut();
+            findings[i].fallback = open[i]->fallback();
+        });
 
-        std::vector<measure::Subject*> subjects;
-        std::vector<size_t> pointOf;
-        for (size_t i = 0; i < count; ++i)
-            if (open[i]) {
-                subjects.push_back(open[i].get());
-                pointOf.push_back(i);
-            }
-        std::vector<std::optional<measure::ArmResult>> arms(count);
-        if (!subjects.empty()) {
-            measure::SamplingPlan sampling = plan_.sampling;
-            sampling.clockSeconds = workbench_.clock();
-            auto results = measure::sample(subjects, sampling, [&](const measure::SamplingProgress& p) {
-                const double share = p.blocksExpected > 0 ? static_cast<double>(p.blocksDone) / static_cast<double>(p.blocksExpected) : 0;
-                report(index, 0.3 + 0.7 * share, pointText(specOf(comparison, pointOf[p.arm])));
-            });
-            for (size_t a = 0; a < results.size(); ++a) {
-                findings[pointOf[a]].failure = results[a].error;
-                arms[pointOf[a]] = std::move(results[a]);
-            }
-        }
         const RowContext context{folder_.runId(), workbench_.backend(), folder_.process()};
         const ComparisonRows rows = comparisonRows(plan_, comparison, findings, arms, context);
         folder_.append(index, rows.metrics, rows.samples);
@@ -87,20 +81,42 @@ private:
                 base::logWarning(fmt::format("{} {} failed: {}", specOf(comparison, i).scene, pointText(specOf(comparison, i)), oneLine(findings[i].failure)));
     }
 
-    /// Opens the point and takes what needs no clock. What fails here is a row, not the end of the run.
-    void prepare(const PointSpec& spec, PointFindings& found, std::unique_ptr<OpenPoint>& open) {
-        try {
-            open = workbench_.open(spec);
-            found.figures = open->counters();
-            for (Figure& figure : open->errors()) found.figures.push_back(std::move(figure));
-            found.leftOut = open->leftOut();
-            found.fallback = open->fallback();
-        } catch (const std::bad_alloc&) {
-            found.failure = "out of memory";
-        } catch (const std::exception& e) {
-            found.failure = e.what();
+    /// Times of all open points, interleaved; parallel to them.
+    std::vector<std::optional<measure::ArmResult>> sample(size_t index, const std::vector<std::unique_ptr<OpenPoint>>& open,
+                                                          std::vector<PointFindings>& findings) {
+        std::vector<measure::Subject*> subjects;
+        std::vector<size_t> pointOf;
+        for (size_t i = 0; i < open.size(); ++i)
+            if (open[i]) {
+                subjects.push_back(open[i].get());
+                pointOf.push_back(i);
+            }
+        std::vector<std::optional<measure::ArmResult>> arms(open.size());
+        if (subjects.empty()) return arms;
+        measure::SamplingPlan sampling = plan_.sampling;
+        sampling.clockSeconds = workbench_.clock();
+        auto results = measure::sample(subjects, sampling, [&](const measure::SamplingProgress& p) {
+            const double share = p.blocksExpected > 0 ? static_cast<double>(p.blocksDone) / static_cast<double>(p.blocksExpected) : 0;
+            report(index, 0.2 + 0.6 * share, pointText(specOf(comparisons_[index], pointOf[p.arm])));
+        });
+        for (size_t a = 0; a < results.size(); ++a) {
+            findings[pointOf[a]].failure = results[a].error;
+            arms[pointOf[a]] = std::move(results[a]);
         }
-        if (!found.failure.empty()) open.reset();
+        return arms;
+    }
+
+    /// Why `work` failed, or "". A point that fails is a row, not the end of the run.
+    template <class Work>
+    static std::string failureOf(const Work& work) {
+        try {
+            work();
+        } catch (const std::bad_alloc&) {
+            return "out of memory";
+        } catch (const std::exception& e) {
+            return *e.what() ? e.what() : "unknown";
+        }
+        return "";
     }
 
     /// Progress, and the place where Ctrl-C is noticed. `share`: of this comparison, 0 … 1.
@@ -156,6 +172,8 @@ private:
 }  // namespace
 
 RunOutcome runPlan(const Plan& plan, Workbench& workbench, const RunOptions& options) {
+    if (plan.comparisons().empty())
+        throw base::UsageError(fmt::format("every point of sweep '{}' is pruned: {}", plan.sweepName, plan.points.at(0).prunedBecause));
     return Runner(plan, workbench, options).run();
 }
 

@@ -50,7 +50,7 @@ void quick(const CLI::App& app, const std::string& folder) {
     plotRun(folder);
 
     fmt::print("{}\n\nplot      {}\ntable     {}/table.md\npictures  {}\n\n", sweep.question, plotOf(folder), folder,
-               fmt::join(pictures, "\n          "));
+               pictures.empty() ? std::string("none: the fake back-end draws nothing") : (fs::path(folder) / kPictures).string());
     fmt::print("The best of {} points, fastest first:\n{}", outcome.points, bestPointsTable(best, plan));
     requireClean(outcome, folder);
 }

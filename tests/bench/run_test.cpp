@@ -208,6 +208,49 @@ TEST(Run, InvalidTimesAreFlaggedAndNotClean) {
     }
 }
 
+TEST(Run, ASweepWithoutAnyPointLeftIsRefused) {
+    Sweep sweep = smallSweep();
+    TestWorkbench bench;
+    bench.limitsOfGl.maxTextureSize = 128;
+    TemporaryFolder folder;
+    const Plan plan = makePlan(sweep, bench, PointFilter({"uniform"}));
+    const RunOptions options{.folder = (folder.path / "out").string(), .resume = false};
+    EXPECT_NE(messageOf([&] { runPlan(plan, bench, options); }).find("size 256 is beyond"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "out"));
+}
+
+TEST(Run, CountersAndErrorsComeAfterTheTimedFrames) {
+    // Else they would warm up what the first frame's time is to show.
+    struct Watched : TestWorkbench {
+        struct Point : OpenPoint {
+            std::unique_ptr<OpenPoint> inner;
+            int frames = 0;
+            const std::vector<std::string>& passNames() const override { return inner->passNames(); }
+            void submitFrame(bool perPass) override { ++frames, inner->submitFrame(perPass); }
+            std::vector<measure::FrameTimes> drain() override { return inner->drain(); }
+            std::vector<Figure> counters() override { return {{"", "draw_calls", "calls", "lower", frames, ""}}; }
+            std::vector<Figure> errors() override { return {}; }
+            std::vector<PassNote> leftOut() const override { return {}; }
+            std::string fallback() const override { return ""; }
+        };
+        std::unique_ptr<OpenPoint> open(const PointSpec& spec) override {
+            auto point = std::make_unique<Point>();
+            point->inner = TestWorkbench::open(spec);
+            return point;
+        }
+    } bench;
+    TemporaryFolder folder;
+    runPlan(makePlan(smallSweep(), bench, PointFilter({"^a "})), bench, {.folder = (folder.path / "out").string(), .resume = false});
+    const CsvTable table(base::readFile(folder.path / "out/metrics.csv"), "metrics.csv");
+    size_t found = 0;
+    for (size_t i = 0; i < table.rows(); ++i)
+        if (table.at(i, "metric") == "draw_calls") {
+            ++found;
+            EXPECT_GT(std::stod(table.at(i, "median")), 50);
+        }
+    EXPECT_EQ(found, 4u);
+}
+
 TEST(Run, ReleasesASceneAfterItsLastPoint) {
     SmallRun run;
     run.bench.onOpen = [&](const PointSpec& spec) { EXPECT_EQ(run.bench.released.size(), spec.scene == "a" ? 0u : 1u); };
