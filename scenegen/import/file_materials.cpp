@@ -123,7 +123,10 @@ std::string texturePath(const aiMaterial& material, aiTextureType type, unsigned
     return path.C_Str();
 }
 
-Material flatMaterial(const aiMaterial& source, bool linearColours) {
+Material flatMaterial(const aiMaterial& source, const std::string& extension) {
+    const bool linearColours = extension.starts_with(".gl");
+    // Assimp does not deliver how strong Blender's highlight is, and at full strength brick gleams.
+    const bool hasHighlight = extension != ".blend";
     Material m;
     m.name = source.GetName().C_Str();
     aiColor3D diffuse(0.5f, 0.5f, 0.5f), specular(0, 0, 0);
@@ -136,7 +139,7 @@ Material flatMaterial(const aiMaterial& source, bool linearColours) {
         const float v = std::clamp(diffuse[unsigned(i)], 0.0f, 1.0f);
         m.albedo[i] = linearColours ? v : linearFromSrgb(v);
     }
-    if (shininess >= 1) {  // below: no highlight that a pixel could show
+    if (hasHighlight && shininess >= 1) {  // below: no highlight that a pixel could show
         m.specular = std::clamp(strength * std::max({specular.r, specular.g, specular.b}), 0.0f, 1.0f);
         m.shininess = std::min(shininess, 1024.0f);
     }
@@ -149,7 +152,6 @@ std::string lowerExtension(const fs::path& file) { return lower(file.extension()
 
 FileMaterials readFileMaterials(const aiScene& scene, const fs::path& file, const Sidecar& sidecar) {
     const std::string extension = lowerExtension(file);
-    const bool gltf = extension == ".gltf" || extension == ".glb";
     TextureStore store(scene, file, sidecar);
     FileMaterials result;
     using Key = std::tuple<float, float, float, float, float, int, bool>;
@@ -163,7 +165,7 @@ FileMaterials readFileMaterials(const aiScene& scene, const fs::path& file, cons
 
     for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
         const aiMaterial& source = *scene.mMaterials[i];
-        Material m = flatMaterial(source, gltf);
+        Material m = flatMaterial(source, extension);
         result.flatOfAssimp.push_back(add(m));
 
         unsigned uvChannel = 0;
@@ -176,7 +178,7 @@ FileMaterials readFileMaterials(const aiScene& scene, const fs::path& file, cons
             const bool replaces = extension == ".blend" || extension == ".ac" || extension == ".acc";
             if (replaces || std::max({m.albedo.r, m.albedo.g, m.albedo.b}) < 0.01f) m.albedo = glm::vec3(1);
             aiString mode;
-            const bool opaque = gltf && source.Get("$mat.gltf.alphaMode", 0, 0, mode) == aiReturn_SUCCESS &&
+            const bool opaque = extension.starts_with(".gl") && source.Get("$mat.gltf.alphaMode", 0, 0, mode) == aiReturn_SUCCESS &&
                                 std::string(mode.C_Str()) == "OPAQUE";  // glTF 2.0 §3.9.4: alpha is ignored
             m.alphaTested = !opaque && hasHoles(store.textures[size_t(m.texture)].image);
         }
