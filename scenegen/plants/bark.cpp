@@ -14,7 +14,7 @@ namespace {
 constexpr int kCoarsest = 3;
 
 /// Share of a scarce budget that stems other than twigs may use.
-constexpr double kWoodShare = 0.6;
+constexpr double kWoodShare = 0.92;
 
 struct Cage {
     int sides, rings, refine;

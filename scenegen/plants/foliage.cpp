@@ -14,10 +14,45 @@ constexpr uint64_t kLeafPurpose = 64;
 /// Beyond these, leaves would no longer look like leaves.
 constexpr double kMinGrowth = 0.5, kMaxGrowth = 3.5;
 
-double leavesOf(const Species& species, const Stem& stem, LeafMode mode) {
-    if (stem.level + 1 != int(species.levels.size())) return 0;
-    const double leaves = species.leaves.count * stem.leafShare * (stem.length - stem.start) / stem.length;
-    return mode == LeafMode::card ? leaves / species.leaves.cardLeaves : leaves;
+/// Where the leaves of one twig grow: on the twig, or, when the mesh leaves it out, on its parent where it began.
+struct Site {
+    uint32_t twig;
+    const Stem* stem;
+    const Stem* missingTwig;  ///< whose direction the leaves keep; null when `stem` is the twig
+    double begin, end;  ///< offsets on `stem`
+    double leaves;      ///< that the parameters ask for
+    double size;        ///< of its leaves, relative
+};
+
+std::vector<Site> leafSites(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode) {
+    std::vector<bool> meshed(skeleton.stems.size(), false);
+    for (const uint32_t i : kept) meshed[i] = true;
+    double longest = 0, sum = 0, twigs = 0;
+    for (const Stem& stem : skeleton.stems) {
+        if (stem.level + 1 != int(species.levels.size())) continue;
+        longest = std::max(longest, stem.length);
+        sum += stem.length;
+        twigs += 1;
+    }
+    std::vector<Site> sites;
+    for (uint32_t i = 0; i < skeleton.stems.size(); ++i) {
+        const Stem& twig = skeleton.stems[i];
+        if (twig.level + 1 != int(species.levels.size())) continue;
+        const double length = twig.length - twig.start;
+        // The paper gives all twigs the same number; ours share out by length, or a fir's top would be its densest part.
+        double leaves = species.leaves.count * twig.leafShare * length * twigs / sum;
+        if (mode == LeafMode::card) leaves /= species.leaves.cardLeaves;
+        const double size = mode == LeafMode::card ? 0.4 + 0.6 * twig.length / longest : 1;
+        if (meshed[i]) {
+            sites.push_back({i, &twig, nullptr, twig.start + 0.12 * length, twig.start + 0.98 * length, leaves, size});
+        } else if (meshed[size_t(twig.parent)]) {
+            const Stem& parent = skeleton.stems[size_t(twig.parent)];
+            const double reach = 0.04 * parent.length;
+            sites.push_back({i, &parent, &twig, std::max(parent.start, twig.parentOffset - reach),
+                             std::min(0.98 * parent.length, twig.parentOffset + reach), leaves, size});
+        }
+    }
+    return sites;
 }
 
 struct Blade {
@@ -48,11 +83,12 @@ void addCard(Mesh& mesh, const Blade& b) {
     for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(base + i);
 }
 
-/// Leaf k of n on a twig.
-Blade placeBlade(const LeafParameters& p, const Stem& twig, LeafMode mode, size_t k, size_t n, double growth, base::Random& random) {
+/// Leaf k of n at a site.
+Blade placeBlade(const LeafParameters& p, const Site& site, LeafMode mode, size_t k, size_t n, double growth, base::Random& random) {
     const bool card = mode == LeafMode::card;
-    const double share = n == 1 ? 0.6 : 0.12 + 0.86 * (double(k) + random.next(0.2f, 0.8f)) / double(n);
-    const StemPoint at = twig.at(twig.start + (twig.length - twig.start) * share);
+    const double share = (double(k) + random.next(0.2f, 0.8f)) / double(n);
+    StemPoint at = site.stem->at(site.begin + (site.end - site.begin) * share);
+    if (site.missingTwig) at.frame = site.missingTwig->rings.front().frame;
     // Two rows (rotate < 0) or a helix, like the stems themselves.
     const double turn = p.rotate < 0 ? (k % 2 ? 90 : -90) : p.rotate * double(k);
     const double downAngle = card ? p.cardDownAngle : p.downAngle;
@@ -70,40 +106,39 @@ Blade placeBlade(const LeafParameters& p, const Stem& twig, LeafMode mode, size_
     if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[1] - along * glm::dot(at.frame[1], along);
     if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[0] - along * glm::dot(at.frame[0], along);
     const glm::dvec3 normal = glm::normalize(wanted);
-    const double length = (card ? p.cardScale : p.scale) * growth * (1 + 0.2 * random.next(-1, 1));
+    const double length = (card ? p.cardScale : p.scale) * site.size * growth * (1 + 0.2 * random.next(-1, 1));
     return {at.centre, along, glm::cross(along, normal), normal, length, length * (card ? p.cardScaleX : p.scaleX)};
 }
 
 }  // namespace
 
-size_t naturalLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> stems, LeafMode mode) {
+size_t naturalLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode) {
     double sum = 0;
-    for (const uint32_t i : stems) sum += leavesOf(species, skeleton.stems[i], mode);
+    for (const Site& site : leafSites(species, skeleton, kept, mode)) sum += site.leaves;
     return size_t(sum + 0.5);
 }
 
-Mesh buildLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> stems, LeafMode mode,
+Mesh buildLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode,
                  size_t count, uint64_t seed) {
-    double natural = 0, wanted = 0;
-    for (const Stem& stem : skeleton.stems) wanted += leavesOf(species, stem, mode);
-    for (const uint32_t i : stems) natural += leavesOf(species, skeleton.stems[i], mode);
+    const std::vector<Site> sites = leafSites(species, skeleton, kept, mode);
+    double available = 0;
+    for (const Site& site : sites) available += site.leaves;
     Mesh mesh;
-    if (natural <= 0 || count == 0) return mesh;
+    if (available <= 0 || count == 0) return mesh;
     mesh.positions.reserve(4 * count);
     mesh.normals.reserve(4 * count);
     mesh.indices.reserve(6 * count);
     if (mode == LeafMode::card) mesh.uvs.reserve(4 * count);
 
-    const double growth = std::clamp(std::sqrt(wanted / double(count)), kMinGrowth, kMaxGrowth);
+    const double growth = std::clamp(std::sqrt(available / double(count)), kMinGrowth, kMaxGrowth);
     double share = 0;
     size_t placed = 0;
-    for (const uint32_t i : stems) {
-        const Stem& stem = skeleton.stems[i];
-        share += leavesOf(species, stem, mode);
-        const size_t upTo = i == stems.back() ? count : std::min(count, size_t(share / natural * double(count) + 0.5));
-        base::Random random(seed, i, kLeafPurpose);
+    for (const Site& site : sites) {
+        share += site.leaves;
+        const size_t upTo = &site == &sites.back() ? count : std::min(count, size_t(share / available * double(count) + 0.5));
+        base::Random random(seed, site.twig, kLeafPurpose);
         for (size_t k = 0, n = upTo - placed; k < n; ++k) {
-            const Blade blade = placeBlade(species.leaves, stem, mode, k, n, growth, random);
+            const Blade blade = placeBlade(species.leaves, site, mode, k, n, growth, random);
             mode == LeafMode::card ? addCard(mesh, blade) : addLeaf(mesh, blade);
         }
         placed = upTo;

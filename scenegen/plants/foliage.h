@@ -13,12 +13,12 @@ enum class LeafMode {
     card,     ///< alpha-tested quads, each a cluster of leaves
 };
 
-/// Leaves that Weber and Penn's parameters give to these twigs (cards: clusters).
-size_t naturalLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> stems, LeafMode mode);
+/// Leaves (cards: clusters) that Weber and Penn's parameters give to a tree of which the stems `kept` are meshed.
+size_t naturalLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode);
 
-/// `count` leaves or cards of two triangles each on those of `stems` that are twigs, each rooted on the axis of its
-/// twig. Fewer than natural are larger, more are smaller, so that the foliage keeps its area.
-Mesh buildLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> stems, LeafMode mode,
+/// `count` leaves or cards of two triangles each, each rooted on the axis of its twig or, where the mesh leaves the
+/// twig out, of its parent. Fewer than natural are larger, more are smaller, so that the foliage keeps its area.
+Mesh buildLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode,
                  size_t count, uint64_t seed);
 
 /// A drawn cluster of leaves or spray of needles with alpha, for the cards; its foot is in the middle of the lower edge.

@@ -86,7 +86,7 @@ public:
         stem.length = scale * (trunk.length + trunk.lengthV * random.next(-1, 1));
         stem.radius = stem.length * species_.ratio;
         stem.crown = species_.baseSize * stem.length;
-        stem.bury = 0.04 * stem.length;
+        stem.bury = 0.02 * stem.length;
         growStem(stem, rotateZ(glm::dmat3(1), 360 * random.next()), glm::dvec3(0), 0, 0);
         return std::move(skeleton_);
     }
@@ -104,6 +104,7 @@ private:
     void growStem(Stem stem, glm::dmat3 frame, glm::dvec3 position, int segment, double correction) {
         const LevelParameters& p = species_.levels[size_t(stem.level)];
         const auto id = int(skeleton_.stems.size());
+        stem.faceted = p.refine == 0;
         base::Random curve(seed_, uint64_t(id), kCurve), split(seed_, uint64_t(id), kSplit);
         const double step = stem.length / p.curveRes;
         std::vector<Fork> forks;
@@ -117,8 +118,9 @@ private:
             frame = rotateX(frame, bend - correction + p.curveV / p.curveRes * curve.next(-1, 1));
             if (p.curveV != 0) frame = rotateZ(frame, 30 * curve.next(-1, 1));
             if (stem.level >= 2) frame = attract(frame, p.curveRes);
-            // The flare lies within the first eighth of the trunk: one ring more carries it.
-            if (stem.level == 0 && s == 0) addRing(position + frame[2] * (0.3 * step), 0.3 * step);
+            // The flare lies within the first eighth of the trunk: two rings more carry it.
+            if (stem.level == 0 && s == 0)
+                for (const double share : {0.15, 0.5}) addRing(position + frame[2] * (share * step), share * step);
             position += frame[2] * step;
             addRing(position, (s + 1) * step);
             if (s + 1 < p.curveRes) fork(stem, p, s, frame, correction, split, forks);
@@ -259,8 +261,10 @@ private:
 glm::dvec3 Stem::cageCentre(size_t i) const {
     const size_t last = rings.size() - 1;
     const Ring& r = rings[i];
-    if (i == 0) return r.centre - r.frame[2] * ((rings[1].offset - r.offset) / 3 + bury);
-    if (i == last) return r.centre + r.frame[2] * ((r.offset - rings[last - 1].offset) / 3);
+    // e = (h + e) / 4 at one end of a segment h; a single segment is drawn out at both: e = (h + 2e) / 4.
+    const double share = last == 1 ? 1.0 / 2 : 1.0 / 3;
+    if (i == 0) return r.centre - r.frame[2] * ((rings[1].offset - r.offset) * share + bury);
+    if (i == last) return r.centre + r.frame[2] * ((r.offset - rings[last - 1].offset) * share);
     return r.centre;
 }
 
@@ -274,8 +278,8 @@ StemPoint Stem::at(double offset) const {
     // Past a cap the cage has no ring; its valence-3 vertices act like one half a segment inwards.
     const glm::dvec3 before = i > 0 ? cageCentre(i - 1) : 0.5 * (a + b);
     const glm::dvec3 after = i + 2 <= last ? cageCentre(i + 2) : 0.5 * (a + b);
-    const double w0 = s * s * s / 6, w3 = t * t * t / 6;
-    const double w1 = 2.0 / 3 - t * t * (1 - 0.5 * t), w2 = 2.0 / 3 - s * s * (1 - 0.5 * s);
+    double w0 = s * s * s / 6, w1 = 2.0 / 3 - t * t * (1 - 0.5 * t), w2 = 2.0 / 3 - s * s * (1 - 0.5 * s), w3 = t * t * t / 6;
+    if (faceted) w0 = s / 6, w1 = (4 * s + t) / 6, w2 = (s + 4 * t) / 6, w3 = t / 6;
     const glm::dvec3 z = glm::normalize(ra.frame[2] * s + rb.frame[2] * t);
     return {before * w0 + a * w1 + b * w2 + after * w3, frameAlong(z, ra.frame[0]), ra.radius * s + rb.radius * t};
 }

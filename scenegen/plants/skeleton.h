@@ -33,14 +33,15 @@ struct Stem {
     double crown = 0;        ///< offset of the first child
     double parentOffset = 0; ///< where on the parent it begins, metres along the parent
     double leafShare = 1;    ///< factor on the leaves of a twig, from its place on its parent
+    bool faceted = false;    ///< meshed without subdivision: between two rings the surface is straight
     double bury = 0;         ///< a trunk goes on below the ground, which undulates: metres
     std::vector<Ring> rings; ///< at least two
 
-    /// Centre of ring i of the control cage. The ends lie beyond the stem's by a third of a segment: the limit
-    /// surface retreats at a cap (vertices of valence 3) by a quarter of the cage's last segment.
+    /// Centre of ring i of the control cage. The ends lie beyond the stem's, because the limit surface
+    /// retreats at a cap (vertices of valence 3) by a quarter of the cage's last segment.
     glm::dvec3 cageCentre(size_t i) const;
 
-    /// Of the subdivision surface, which is a uniform cubic B-spline along the stem. `offset` is clamped.
+    /// On the axis of the mesh: a uniform cubic B-spline along the stem, or its chords. `offset` is clamped.
     StemPoint at(double offset) const;
 };
 

@@ -1,0 +1,86 @@
+#include "base/error.h"
+#include "base/file.h"
+#include "scenegen/export/glb.h"
+#include "scenegen/import/import.h"
+#include "scenegen/library.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cstring>
+#include <filesystem>
+
+using namespace dapple::scenegen;
+
+namespace {
+
+std::filesystem::path written(const Scene& scene) {
+    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / (scene.name + ".glb");
+    writeGlb(scene, path);
+    return path;
+}
+
+nlohmann::json jsonOf(const std::filesystem::path& path) {
+    const std::string file = dapple::base::readFile(path);
+    uint32_t header[5];
+    std::memcpy(header, file.data(), sizeof header);
+    EXPECT_EQ(header[0], 0x46546C67u);
+    EXPECT_EQ(header[1], 2u);
+    EXPECT_EQ(header[2], file.size());
+    return nlohmann::json::parse(file.substr(20, header[3]));
+}
+
+}  // namespace
+
+TEST(Export, readingBackGivesTheSameForest) {
+    const Scene scene = loadScene("forest-small"), back = importFile(written(scene));
+    const Facts a = scene.facts(), b = back.facts();
+    EXPECT_EQ(a.triangles, b.triangles);
+    EXPECT_EQ(a.uniqueTriangles, b.uniqueTriangles) << "instances share their meshes";
+    EXPECT_TRUE(b.alphaTested);
+    const glm::dvec3 lo = glm::dvec3(b.box.lo) + back.origin - scene.origin, hi = glm::dvec3(b.box.hi) + back.origin - scene.origin;
+    // The box of a turned tree is that of its box's corners, so both sides overestimate alike.
+    EXPECT_LT(glm::distance(lo, glm::dvec3(a.box.lo)), 2e-3);
+    EXPECT_LT(glm::distance(hi, glm::dvec3(a.box.hi)), 2e-3);
+}
+
+TEST(Export, readingBackKeepsViews) {
+    const Scene scene = loadScene("box"), back = importFile(written(scene));
+    ASSERT_EQ(back.views.size(), scene.views.size());
+    for (const View& view : scene.views) {
+        const View& copy = back.views[back.viewIndex(view.name)];
+        EXPECT_LT(glm::distance(copy.eye + back.origin, view.eye + scene.origin), 1e-4);
+        EXPECT_LT(glm::distance(copy.forward, view.forward), 1e-4);
+        EXPECT_NEAR(copy.fovY, view.fovY, 0.01);
+    }
+}
+
+TEST(Export, theFileIsWhatTheSpecificationAsks) {
+    const Scene scene = loadScene("forest-small");
+    const nlohmann::json j = jsonOf(written(scene));
+    EXPECT_EQ(j["asset"]["version"], "2.0");
+    EXPECT_EQ(j["meshes"].size(), scene.prototypes.size());
+    size_t users = 0;
+    for (const auto& node : j["nodes"]) users += node.contains("mesh");
+    EXPECT_EQ(users, scene.instances.size());
+    bool masked = false;
+    for (const auto& material : j["materials"]) masked |= material.value("alphaMode", "OPAQUE") == "MASK";
+    EXPECT_TRUE(masked);
+    EXPECT_EQ(j["images"].size(), scene.textures.size());
+    EXPECT_EQ(j["cameras"].size(), scene.views.size());
+    for (const auto& view : j["bufferViews"]) {
+        EXPECT_EQ(view["byteOffset"].get<size_t>() % 4, 0u);
+        EXPECT_LE(view["byteOffset"].get<size_t>() + view["byteLength"].get<size_t>(), j["buffers"][0]["byteLength"].get<size_t>());
+    }
+}
+
+TEST(Export, aSceneWithoutGeometryIsStillAFile) {
+    const nlohmann::json j = jsonOf(written(loadScene("nothing")));
+    EXPECT_FALSE(j.contains("meshes"));
+    EXPECT_FALSE(j.contains("buffers"));
+    EXPECT_EQ(j["cameras"].size(), 1u);
+}
+
+TEST(Export, anUnwritablePlaceIsOneError) {
+    EXPECT_THROW(writeGlb(loadScene("nothing"), "/proc/nowhere/x.glb"), dapple::base::UsageError);
+}

@@ -1,0 +1,183 @@
+#include "base/error.h"
+#include "base/file.h"
+#include "scenegen/library.h"
+
+#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <functional>
+
+using namespace dapple::scenegen;
+using dapple::base::UsageError;
+using testing::HasSubstr;
+
+namespace {
+
+std::string errorOf(const std::function<void()>& call) {
+    try {
+        call();
+    } catch (const UsageError& e) {
+        EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << "one line";
+        return e.what();
+    }
+    return "no error";
+}
+
+/// Loads a recipe of this text from a file.
+Scene load(const std::string& text, const std::vector<std::string>& settings = {}) {
+    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "recipe_under_test.toml";
+    dapple::base::writeFile(path, text);
+    return loadScene(path.string(), settings);
+}
+
+const std::string kForest = R"(description = "x"
+trees = 5
+[ground]
+size = 60
+[[species]]
+name = "oak"
+triangles = 2500
+[path]
+views = 2
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) { return text.replace(text.find(from), from.size(), to); }
+
+}  // namespace
+
+TEST(Library, everyListedSceneLoads) {
+    for (const SceneEntry& entry : listScenes()) {
+        SCOPED_TRACE(entry.name);
+        EXPECT_FALSE(entry.description.empty());
+        const Scene scene = loadScene(entry.name);
+        EXPECT_EQ(scene.name, entry.name);
+        EXPECT_FALSE(scene.views.empty());
+    }
+}
+
+TEST(Library, forest105IsThePapersScene) {
+    const Scene scene = loadScene("forest-105");
+    size_t trees = 0;
+    for (const Instance& instance : scene.instances) {
+        const Prototype& p = scene.prototypes[instance.prototype];
+        if (!p.castsShadow) continue;
+        ++trees;
+        EXPECT_NEAR(double(p.triangles()), 36000, 0.05 * 36000);
+        EXPECT_GE(instance.scale, 0.8f);
+        EXPECT_LE(instance.scale, 1.25f);
+    }
+    EXPECT_EQ(trees, 105u);
+    const Facts f = scene.facts();
+    EXPECT_NEAR(double(f.triangles), 3.8e6, 0.05 * 3.8e6);
+    EXPECT_TRUE(f.rotated);
+    EXPECT_TRUE(f.scaled);
+    EXPECT_FALSE(f.alphaTested);
+    EXPECT_GE(scene.views.size(), 5u);
+    for (const View& v : scene.views) EXPECT_NEAR(glm::length(v.forward), 1, 1e-12) << v.name;
+}
+
+TEST(Library, forestSmallHasBothKindsOfLeaves) {
+    const Scene scene = loadScene("forest-small");
+    EXPECT_TRUE(scene.facts().alphaTested);
+    bool opaque = false;
+    for (const Prototype& p : scene.prototypes) {
+        EXPECT_LT(p.triangles(), 4100u);
+        for (const Mesh& m : p.meshes) opaque |= p.castsShadow && !scene.materials[m.material].alphaTested;
+    }
+    EXPECT_TRUE(opaque);
+}
+
+TEST(Library, walkersHaveClearSight) {
+    const Scene scene = loadScene("forest-small");
+    for (const View& view : scene.views) {
+        if (!view.name.starts_with("walk")) continue;
+        for (const Instance& i : scene.instances) {
+            if (!scene.prototypes[i.prototype].castsShadow) continue;
+            EXPECT_GT(glm::length(glm::dvec2(view.eye) - glm::dvec2(i.translation)), 1.5) << view.name << " stands in a tree";
+        }
+    }
+}
+
+TEST(Library, factsOfTheExtremes) {
+    EXPECT_FALSE(loadScene("nothing").facts().receivers);
+    EXPECT_FALSE(loadScene("empty").facts().casters);
+    EXPECT_TRUE(loadScene("empty").facts().receivers);
+    for (const char* name : {"box", "sphere", "slab"}) EXPECT_TRUE(loadScene(name).facts().closed) << name;
+}
+
+TEST(Recipe, originMovesNothingElse) {
+    const Scene here = load(kForest), there = load("origin = [1e6, -2e6, 300]\n" + kForest);
+    EXPECT_EQ(there.origin, glm::dvec3(1e6, -2e6, 300));
+    ASSERT_EQ(here.instances.size(), there.instances.size());
+    for (size_t i = 0; i < here.instances.size(); ++i) EXPECT_EQ(here.instances[i].translation, there.instances[i].translation);
+    EXPECT_EQ(here.views[0].eye, there.views[0].eye);
+}
+
+TEST(Recipe, settingsOverrideAndAddKeys) {
+    EXPECT_EQ(load(kForest, {"trees=9"}).instances.size(), 10u);
+    EXPECT_EQ(load(kForest, {"ground.undulation=0.5", "seed=4"}).prototypes[0].name, "ground");
+    EXPECT_EQ(loadScene("box", {"sun.elevation=12"}).sun.elevation, 12);
+    EXPECT_EQ(loadScene("forest-small", {"species.1.leaves=polygon"}).facts().alphaTested, false);
+    EXPECT_EQ(loadScene("box", {"origin=[1, 2, 3]"}).origin, glm::dvec3(1, 2, 3));
+}
+
+TEST(Recipe, sharesAreKeptToWithinOneTree) {
+    const Scene scene = load(replaced(kForest, "trees = 5", "trees = 12") + "[[species]]\nname = \"fir\"\nshare = 3\ntriangles = 2500\n");
+    size_t firs = 0;
+    for (const Instance& i : scene.instances) firs += scene.prototypes[i.prototype].name == "fir";
+    EXPECT_EQ(firs, 9u);
+}
+
+TEST(Recipe, individualsDiffer) {
+    const Scene scene = load(replaced(kForest, "name = \"oak\"", "name = \"oak\"\nindividuals = 3"));
+    ASSERT_EQ(scene.prototypes.size(), 4u);
+    EXPECT_NE(scene.prototypes[1].box().hi, scene.prototypes[2].box().hi);
+}
+
+TEST(Recipe, badValuesNameFileLineAndKey) {
+    struct Bad {
+        const char *from, *to, *expected;
+    };
+    for (const Bad& bad : std::initializer_list<Bad>{
+             {"trees = 5", "trees = 0", ":2: trees: 0 is outside"},
+             {"trees = 5", "trees = -3", ":2: trees: -3 is outside"},
+             {"trees = 5", "trees = nan", ":2: trees: must be a whole number"},
+             {"size = 60", "size = nan", ":4: size: must be finite"},
+             {"size = 60", "size = -1", ":4: size: -1 is outside"},
+             {"size = 60", "size = 60\nundulatoin = 2", ":5: unknown key 'undulatoin'; did you mean 'undulation'?"},
+             {"\"oak\"", "\"oka\"", ":6: name: unknown species 'oka'; did you mean 'oak'?"},
+             {"triangles = 2500", "triangles = 10", ":7: triangles: species oak: 10 triangles are too few"},
+             {"triangles = 2500", "leaves = \"needle\"", ":7: leaves: 'needle' is none of"},
+             {"triangles = 2500", "scale = [2, 1]", ":7: scale: must be"},
+             {"triangles = 2500", "lod = 0", ":7: lod: 0 is outside"},
+             {"views = 2", "views = 0", ":9: views: 0 is outside"},
+             {"views = 2", "near = 5\nfar = 1", ":10: far: must be beyond near"},
+         })
+        EXPECT_THAT(errorOf([&] { load(replaced(kForest, bad.from, bad.to)); }), HasSubstr(std::string("recipe_under_test.toml") + bad.expected)) << bad.to;
+}
+
+TEST(Recipe, badValuesSayWhatIsWrong) {
+    EXPECT_THAT(errorOf([] { load(replaced(kForest, "description = \"x\"", "")); }), HasSubstr("description: is required"));
+    EXPECT_THAT(errorOf([] { load(replaced(kForest, "trees = 5", "")); }), HasSubstr("trees: is required"));
+    EXPECT_THAT(errorOf([] { load(replaced(kForest, "[path]\nviews = 2\n", "")); }), HasSubstr("at least one [[view]]"));
+    EXPECT_THAT(errorOf([] { load("description = \"x\"\n[[species]]\nname = \"oak\"\n"); }), HasSubstr("need a [ground]"));
+    EXPECT_THAT(errorOf([] { load("description = \"x\"\n[[primitive]]\nkind = \"cube\"\nposition = [0,0,0]\n"); }), HasSubstr("'cube' is none of box"));
+    EXPECT_THAT(errorOf([] { load("description = \"x\"\n[[primitive]]\nkind = \"box\"\nposition = [0,0,0]\nsize = [1,0,1]\n"); }), HasSubstr(":5: size"));
+    EXPECT_THAT(errorOf([] { load("description = \n"); }), HasSubstr("not valid TOML"));
+}
+
+TEST(Recipe, badSettingsNameThemselves) {
+    EXPECT_THAT(errorOf([] { loadScene("forest-small", {"tree=3"}); }), HasSubstr("unknown key 'tree'; did you mean 'trees'?"));
+    EXPECT_THAT(errorOf([] { loadScene("forest-small", {"trees=0"}); }), HasSubstr("setting 'trees=0': trees: 0 is outside"));
+    EXPECT_THAT(errorOf([] { loadScene("forest-small", {"grund.size=3"}); }), HasSubstr("unknown table 'grund'; did you mean 'ground'?"));
+    EXPECT_THAT(errorOf([] { loadScene("forest-small", {"species.7.share=3"}); }), HasSubstr("species.7"));
+    EXPECT_THAT(errorOf([] { loadScene("forest-small", {"trees"}); }), HasSubstr("must be key=value"));
+    EXPECT_THAT(errorOf([] { loadScene("forest-small", {"sun.elevation=high"}); }), HasSubstr("must be a number"));
+}
+
+TEST(Library, unknownScenesNameTheNearest) {
+    EXPECT_THAT(errorOf([] { loadScene("forest-smal"); }), HasSubstr("did you mean 'forest-small'?"));
+    EXPECT_NE(errorOf([] { loadScene("missing.toml"); }), "no error");
+    EXPECT_NE(errorOf([] { loadScene(""); }), "no error");
+}
