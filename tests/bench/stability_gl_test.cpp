@@ -1,0 +1,186 @@
+// Every technique of the registry at its stiff cases, on the software rasteriser too: a new technique is tested the
+// day it is added.
+#include "bench/gl_workbench.h"
+#include "bench/stress.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace dapple::bench {
+namespace {
+
+GlWorkbench& workbench() {
+    static GlWorkbench bench(-1, "cpu_finish");
+    return bench;
+}
+
+PointSpec spec(const std::string& scene, const std::string& technique, shadow::Settings axes = {}, const std::string& stress = {}) {
+    PointSpec s;
+    s.scene = scene;
+    s.technique = technique;
+    s.stressCase = stress;
+    const shadow::TechniqueInfo& info = shadow::technique(technique);
+    if (info.defaults.contains("size")) axes.try_emplace("size", "256");
+    s.settings = shadow::resolve(info, axes);
+    s.width = 160;
+    s.height = 120;
+    s.view = workbench().sceneFacts(scene, {}, stress).views.front();
+    return s;
+}
+
+struct Rendered {
+    std::vector<float> visibility;
+    std::vector<uint8_t> validity;
+    std::vector<uint8_t> picture;
+    std::vector<frame::Pass> passes;
+    std::vector<shadow::LightMatrix> matrices;
+    std::string fallback;
+};
+
+Rendered render(const PointSpec& s) {
+    const auto shared = workbench().sharedFrame(s);
+    shadow::Renderer renderer(shared->frame, shadow::technique(s.technique), s.settings);
+    frame::PassObserver silent;
+    renderer.render(silent);
+    Rendered r{renderer.visibility(), shared->frame.readValidity(), shared->frame.readShaded().texels, renderer.passes(), {}, renderer.fallback()};
+    if (renderer.technique()) r.matrices = renderer.technique()->matrices();
+    gl::checkErrors("a rendered point");
+    return r;
+}
+
+class EveryTechnique : public testing::TestWithParam<std::string> {
+protected:
+    std::string name() const { return GetParam(); }
+    bool hasVisibility() const { return name() != "bare"; }
+};
+
+TEST_P(EveryTechnique, IsFiniteAtEveryStiffCase) {
+    if (!hasVisibility()) GTEST_SKIP() << "no visibility image";
+    for (const StressCase& stress : stressCases())
+        for (const char* scene : {"forest-small", "box", "nothing"}) {
+            SCOPED_TRACE(stress.name + " on " + scene);
+            const PointSpec s = spec(scene, name(), {}, stress.name);
+            const Rendered r = render(s);
+            for (const float v : r.visibility) ASSERT_TRUE(std::isfinite(v) && v >= 0 && v <= 1) << v;
+            for (const shadow::LightMatrix& m : r.matrices) EXPECT_TRUE(base::allFinite(m.clipFromRelative)) << m.name;
+            for (const Figure& f : workbench().open(s)->errors())
+                EXPECT_TRUE(!f.value || std::isfinite(*f.value)) << f.metric;
+        }
+}
+
+TEST_P(EveryTechnique, NothingIsDarkWithoutCasters) {
+    if (!hasVisibility()) GTEST_SKIP() << "no visibility image";
+    const Rendered r = render(spec("empty", name()));
+    for (size_t i = 0; i < r.visibility.size(); ++i) ASSERT_EQ(r.visibility[i], 1) << i;
+    for (const frame::Pass& pass : r.passes)  // and no map was rendered for it
+        EXPECT_TRUE(!pass.name.starts_with("map") || !pass.leftOut.empty()) << pass.name;
+}
+
+TEST_P(EveryTechnique, SkyIsLitAndInvalid) {
+    if (!hasVisibility() || shadow::technique(name()).family == "baseline") GTEST_SKIP() << "no shadow";
+    const Rendered r = render(spec("forest-small", name(), {}, "no-receiver"));
+    for (size_t i = 0; i < r.visibility.size(); ++i) {
+        ASSERT_EQ(r.visibility[i], 1);
+        ASSERT_EQ(r.validity[i], 0);
+    }
+}
+
+TEST_P(EveryTechnique, NightIsDarkAndSaysSo) {
+    if (shadow::technique(name()).family == "baseline") GTEST_SKIP() << "no shadow";
+    const Rendered r = render(spec("forest-small", name(), {}, "sun-below"));
+    for (const float v : r.visibility) ASSERT_EQ(v, 0);
+    EXPECT_NE(r.fallback, "");
+}
+
+TEST_P(EveryTechnique, FarFromTheOriginIsTheSamePicture) {
+    const Rendered here = render(spec("forest-small", name())), far = render(spec("forest-small", name(), {}, "far-origin"));
+    EXPECT_EQ(here.visibility, far.visibility);
+    EXPECT_EQ(here.picture, far.picture);
+}
+
+TEST_P(EveryTechnique, RendersTheSamePictureTwice) {
+    const Rendered a = render(spec("forest-small", name())), b = render(spec("forest-small", name()));
+    EXPECT_EQ(a.visibility, b.visibility);
+    EXPECT_EQ(a.picture, b.picture);
+}
+
+/// Named metric of a point.
+double metric(const PointSpec& s, const std::string& wanted) {
+    for (const Figure& f : workbench().open(s)->errors())
+        if (f.metric == wanted) return f.value.value();
+    throw std::logic_error("no metric " + wanted);
+}
+
+TEST_P(EveryTechnique, ConvergesToTheReference) {
+    if (shadow::technique(name()).family == "baseline") GTEST_SKIP() << "no shadow";
+    for (const char* scene : {"box", "sphere"}) {
+        PointSpec coarse = spec(scene, name(), {{"size", "64"}}), middle = spec(scene, name(), {{"size", "512"}}),
+                  fine = spec(scene, name(), {{"size", "4096"}});
+        for (PointSpec* s : {&coarse, &middle, &fine}) s->width = 320, s->height = 240;
+        const double e64 = metric(coarse, "error"), e512 = metric(middle, "error"), e4096 = metric(fine, "error");
+        EXPECT_LT(e512, e64) << scene;
+        EXPECT_LE(e4096, e512) << scene;
+        EXPECT_LE(e4096, 2 * metric(fine, "reference_floor")) << scene;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, EveryTechnique, testing::ValuesIn([] {
+                             std::vector<std::string> names;
+                             for (const shadow::TechniqueInfo& known : shadow::techniques()) names.push_back(known.name);
+                             return names;
+                         }()),
+                         [](const auto& test) { return test.param; });
+
+// What is left out must not change a pixel.
+
+class EveryMap : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryMap, CullingCastersChangesNoPixel) {
+    for (const char* stress : {"", "sun-1deg", "sun-zenith", "parallel-1e-3", "duelling", "depth-range"})
+        for (const char* filter : {"nearest", "pcf2", "pcf3"}) {
+            SCOPED_TRACE(std::string(stress) + " " + filter);
+            const Rendered culled = render(spec("forest-small", GetParam(), {{"cull", "frustum"}, {"filter", filter}}, stress));
+            const Rendered all = render(spec("forest-small", GetParam(), {{"cull", "none"}, {"filter", filter}}, stress));
+            EXPECT_EQ(culled.visibility, all.visibility);
+        }
+}
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMap, testing::Values("uniform", "focused", "lispsm", "cascaded"), [](const auto& test) { return test.param; });
+
+TEST(LeftOut, CachedMapsAreTheRegeneratedOnes) {
+    EXPECT_EQ(render(spec("forest-small", "instanced", {{"update", "cached"}})).visibility,
+              render(spec("forest-small", "instanced", {{"update", "regenerate"}})).visibility);
+}
+
+TEST(LeftOut, RotatedMapsOfAnUnrotatedSceneAreNotMissed) {
+    const Rendered twelve = render(spec("box", "instanced")), one = render(spec("box", "instanced", {{"rotations", "1"}, {"mode", "nearest"}}));
+    EXPECT_EQ(twelve.visibility, one.visibility);
+    bool said = false;
+    for (const frame::Pass& pass : twelve.passes) said |= pass.leftOut.find("rotated") != std::string::npos;
+    EXPECT_TRUE(said);
+}
+
+TEST(Fallback, LispsmAlongTheLightIsTheFocusedMap) {
+    for (const char* stress : {"parallel-0", "parallel-1e-7", "parallel-1e-3", "duelling"}) {
+        const Rendered warped = render(spec("forest-small", "lispsm", {}, stress)), focused = render(spec("forest-small", "focused", {}, stress));
+        EXPECT_NE(warped.fallback.find("frustum"), std::string::npos) << stress;
+        EXPECT_EQ(warped.visibility, focused.visibility) << stress;
+    }
+}
+
+// On its maps' own angles an instanced map is a per-object map: sample frames and modes agree bit for bit.
+TEST(Instanced, OnAMapsAngleModesAndFramesAgree) {
+    const Rendered nearest = render(spec("box", "instanced", {{"mode", "nearest"}}));
+    for (const char* mode : {"nearest", "blend", "depth"})
+        for (const char* sampleFrame : {"A", "B"})
+            EXPECT_EQ(render(spec("box", "instanced", {{"mode", mode}, {"sample-frame", sampleFrame}})).visibility, nearest.visibility) << mode << sampleFrame;
+}
+
+TEST(Limits, AMapBeyondTheGlLimitIsRefusedWithAReason) {
+    const auto reason = shadow::pruneReason(shadow::technique("uniform"), spec("box", "uniform", {{"size", "32768"}}).settings, {}, workbench().limits());
+    ASSERT_TRUE(reason);
+    EXPECT_NE(reason->find("16384"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dapple::bench
