@@ -31,7 +31,8 @@ std::string nearestName(std::string_view name, std::span<const std::string> know
     size_t bestDistance = std::max<size_t>(2, name.size() / 3) + 1;
     for (const std::string& candidate : known) {
         const size_t distance = editDistance(name, candidate);
-        if (distance < bestDistance) {
+        // As many edits as letters: the two have nothing in common.
+        if (distance < bestDistance && distance < std::max(name.size(), candidate.size())) {
             bestDistance = distance;
             best = candidate;
         }

@@ -24,16 +24,22 @@ void makeFolder(const fs::path& dir) {
     if (dir.empty()) return;
     std::error_code error;
     fs::create_directories(dir, error);
-    if (error && !fs::is_directory(dir)) failWrite(dir, error.value());
+    std::error_code ignored;
+    if (error && !fs::is_directory(dir, ignored)) failWrite(dir, error.value());
 }
 
 }  // namespace
 
 std::string readFile(const fs::path& path) {
-    if (fs::is_directory(path)) throw UsageError(fmt::format("{} is a folder, not a file", path.string()));
+    std::error_code ignored;
+    if (fs::is_directory(path, ignored)) throw UsageError(fmt::format("{} is a folder, not a file", path.string()));
     std::ifstream in(path, std::ios::binary);
     if (!in) throw UsageError(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
-    return {std::istreambuf_iterator<char>(in), {}};
+    try {
+        return {std::istreambuf_iterator<char>(in), {}};
+    } catch (const std::ios_base::failure& e) {
+        throw UsageError(fmt::format("cannot read {}: {}", path.string(), e.what()));
+    }
 }
 
 void writeFile(const fs::path& path, std::string_view bytes) {

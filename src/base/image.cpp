@@ -62,10 +62,10 @@ Image8 decodeSgi(std::span<const uint8_t> b, const std::string& name) {
             if (in >= b.size()) throw fail();
             const uint8_t code = b[in++];
             const size_t count = code & 0x7fu;
-            if (count == 0) break;
+            if (count == 0) throw fail();  // the row ends before its last column
             const size_t bytes = (code & 0x80u) ? count : 1;
             if (x + count > w || in + bytes > b.size()) throw fail();
-            for (size_t k = 0; k < count; ++k) out[x++] = b[in + (bytes == 1 && count != 1 ? 0 : k * (bytes > 1))];
+            for (size_t k = 0; k < count; ++k) out[x++] = b[in + std::min(k, bytes - 1)];
             in += bytes;
         }
     }
@@ -80,10 +80,27 @@ Image8 decodeSgi(std::span<const uint8_t> b, const std::string& name) {
     return image;
 }
 
+/// Whether the checksums of all chunks up to the end mark hold (PNG, third edition, §5.3): stb_image does not look.
+bool isIntactPng(std::span<const uint8_t> b) {
+    const auto u32 = [&](size_t i) { return size_t(b[i]) << 24 | size_t(b[i + 1]) << 16 | size_t(b[i + 2]) << 8 | b[i + 3]; };
+    for (size_t at = 8; at + 12 <= b.size();) {
+        const size_t length = u32(at);
+        if (length > b.size() - at - 12) return false;
+        const uint8_t* type = &b[at + 4];
+        if (stbiw__crc32(const_cast<uint8_t*>(type), int(length) + 4) != u32(at + 8 + length)) return false;
+        if (std::equal(type, type + 4, "IEND")) return true;
+        at += 12 + length;
+    }
+    return false;
+}
+
 }  // namespace
 
 Image8 decodeImage(std::span<const uint8_t> bytes, const std::string& name) {
     if (isSgi(bytes)) return decodeSgi(bytes, name);
+    const std::array<uint8_t, 8> pngSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    if (bytes.size() >= 8 && std::equal(pngSignature.begin(), pngSignature.end(), bytes.begin()) && !isIntactPng(bytes))
+        throw UsageError(fmt::format("{}: damaged or truncated PNG image", name));
     int w = 0, h = 0, channels = 0;
     stbi_uc* texels = stbi_load_from_memory(bytes.data(), int(bytes.size()), &w, &h, &channels, 4);
     if (!texels) throw UsageError(fmt::format("{}: not an image that can be read ({})", name, stbi_failure_reason()));
@@ -122,15 +139,17 @@ void writeExr(const fs::path& path, const ImageF& image) {
             auto* base = reinterpret_cast<char*>(const_cast<float*>(image.texels.data() + c));
             frame.insert(name, Imf::Slice(Imf::FLOAT, base, stride, stride * size_t(image.width)));
         }
-        Imf::OutputFile file(temporary.c_str(), header);
-        file.setFrameBuffer(frame);
-        file.writePixels(image.height);
+        {
+            Imf::OutputFile file(temporary.c_str(), header);
+            file.setFrameBuffer(frame);
+            file.writePixels(image.height);
+        }
+        fs::rename(temporary, path);
     } catch (const std::exception& e) {
         std::error_code ignored;
         fs::remove(temporary, ignored);
         throw UsageError(fmt::format("cannot write {}: {}", path.string(), e.what()));
     }
-    fs::rename(temporary, path);
 }
 
 ImageF readExr(const fs::path& path) {
@@ -140,6 +159,10 @@ ImageF readExr(const fs::path& path) {
         ImageF image{window.max.x - window.min.x + 1, window.max.y - window.min.y + 1, 0, {}};
         for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it) ++image.channels;
         if (image.channels < 1 || image.channels > 4) throw std::runtime_error("not 1 to 4 channels");
+        for (int c = 0; c < image.channels; ++c)
+            if (!file.header().channels().findChannel(kChannelNames[size_t(image.channels) - 1][size_t(c)]))
+                throw std::runtime_error("its channels are not Y; R, G; R, G, B or R, G, B, A");
+        if (window.min.x != 0 || window.min.y != 0) throw std::runtime_error("its data window does not start at 0, 0");
         image.texels.resize(size_t(image.width) * size_t(image.height) * size_t(image.channels));
         Imf::FrameBuffer frame;
         const size_t stride = size_t(image.channels) * sizeof(float);

@@ -19,7 +19,7 @@ public:
     constexpr float uniform(uint64_t index) const {
         return static_cast<float>(bits(index) >> 40) * 0x1p-24f;
     }
-    /// Uniform in [lo, hi).
+    /// Uniform in [lo, hi]; hi itself only by rounding, and never when lo is 0.
     constexpr float uniform(uint64_t index, float lo, float hi) const { return lo + (hi - lo) * uniform(index); }
     /// Next number of the sequence 0, 1, 2, …; for code that draws in a fixed order.
     constexpr float next() { return uniform(counter_++); }
