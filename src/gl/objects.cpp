@@ -64,7 +64,7 @@ Texture::Texture(GLenum internalFormat, int width, int height, int layers, int l
 size_t Texture::bytes() const {
     size_t texels = 0;
     for (int level = 0; level < levels_; ++level) texels += size_t(std::max(width_ >> level, 1)) * size_t(std::max(height_ >> level, 1));
-    return texels * size_t(std::max(layers_, 1)) * bytesPerTexel(format_);
+    return texels == 0 ? 0 : texels * size_t(std::max(layers_, 1)) * bytesPerTexel(format_);
 }
 
 Sampler makeSampler(const SamplerDesc& desc) {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <regex>
 #include <sstream>
 
 namespace dapple::gl {
@@ -39,6 +40,24 @@ void append(Source& source, const std::string& file) {
     }
 }
 
+/// The driver's log as one line, its source-string numbers ("1:3(7): " of Mesa, "1(3) : " of NVIDIA) as file and line.
+std::string readableLog(const std::string& log, const std::vector<std::string>& files) {
+    static const std::regex kPlace(R"(^(\d+)(?::(\d+)\(\d+\)|\((\d+)\)) ?: ?)");
+    std::string result;
+    std::istringstream in(log);
+    for (std::string line; std::getline(in, line);) {
+        if (line.empty()) continue;
+        if (!result.empty()) result += "; ";
+        std::smatch match;
+        if (std::regex_search(line, match, kPlace) && std::stoul(match[1]) < files.size()) {
+            result += fmt::format("shaders/{}:{}: ", files[std::stoul(match[1])], match[2].matched ? match[2].str() : match[3].str());
+            line = match.suffix();
+        }
+        result += line;
+    }
+    return result;
+}
+
 GLuint compile(GLenum stage, const std::string& file, const std::vector<std::string>& defines) {
     Source source{"#version 450 core\n", {}};
     for (const std::string& define : defines) source.text += "#define " + define + '\n';
@@ -55,9 +74,7 @@ GLuint compile(GLenum stage, const std::string& file, const std::vector<std::str
         glGetShaderInfoLog(shader, GLsizei(log.size()), &length, log.data());
         log.resize(size_t(length));
         glDeleteShader(shader);
-        std::string files;
-        for (size_t i = 0; i < source.files.size(); ++i) files += fmt::format(" {}=shaders/{}", i, source.files[i]);
-        throw base::UsageError(fmt::format("shader does not compile (sources:{}): {}", files, log));
+        throw base::UsageError(fmt::format("shaders/{} does not compile: {}", file, readableLog(log, source.files)));
     }
     return shader;
 }
@@ -84,7 +101,7 @@ Program::Program(const std::string& vertex, const std::string& fragment, const s
         GLsizei length = 0;
         glGetProgramInfoLog(program, GLsizei(log.size()), &length, log.data());
         log.resize(size_t(length));
-        throw base::UsageError(fmt::format("shaders/{} and shaders/{} do not link: {}", vertex, fragment, log));
+        throw base::UsageError(fmt::format("shaders/{} and shaders/{} do not link: {}", vertex, fragment, readableLog(log, {})));
     }
 }
 
