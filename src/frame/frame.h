@@ -18,7 +18,10 @@ public:
     Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int width, int height);
 
     /// Moves the camera; resolution and targets stay.
-    void look(const scenegen::View& view) { camera_ = Camera(view, camera_.width, camera_.height); }
+    void look(const scenegen::View& view) {
+        camera_ = Camera(view, camera_.width, camera_.height);
+        everything_.data.clear();  // its positions are relative to the eye that was
+    }
 
     const gpuscene::GpuScene& scene() const { return *scene_; }
     const Camera& camera() const { return camera_; }
