@@ -37,7 +37,7 @@ std::vector<glm::dvec2> poissonDisks(std::span<const double> radii, double half,
                 if (factor < 0.2)
                     throw base::UsageError(fmt::format("{} trees do not fit on a ground of {} m: fewer trees or a larger ground.size", radii.size(), 2 * half));
             }
-            const glm::dvec2 p(half * (2.0 * random.next() - 1), half * (2.0 * random.next() - 1));
+            const glm::dvec2 p{half * (2.0 * random.next() - 1), half * (2.0 * random.next() - 1)};  // braces: drawn in this order
             if (!allowed(p)) continue;
             const int cx = cellOf(p.x), cy = cellOf(p.y);
             bool free = true;

@@ -4,7 +4,6 @@
 #include "scenegen/plants/tube.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <tuple>
 
@@ -41,25 +40,30 @@ std::vector<bool> thin(const Skeleton& skeleton, const std::vector<bool>& kept, 
     return result;
 }
 
-/// Writes lane `lane` of the control points, [control][xyz][lane].
-void writeControls(const Species& species, const Stem& stem, const Cage& cage, size_t lane, float* controls) {
-    std::array<base::det::SinCos, 32> circle;
-    std::array<double, 32> lobes;
-    const bool lobed = stem.level == 0 && species.lobeDepth > 0;
-    for (int k = 0; k < cage.sides; ++k) {
-        const double angle = 2 * base::det::kPi * k / cage.sides;
-        circle[size_t(k)] = base::det::sinCos(angle);
-        lobes[size_t(k)] = lobed ? 1 + species.lobeDepth * base::det::sin(species.lobes * angle) : 1;
+/// A ring's polygon in its frame, of a surface of radius 1.
+using Polygon = std::vector<glm::dvec2>;
+
+Polygon ringPolygon(int sides, int lobes, double lobeDepth) {
+    Polygon polygon;
+    for (int k = 0; k < sides; ++k) {
+        const double angle = 2 * base::det::kPi * k / sides;
+        const auto [s, c] = base::det::sinCos(angle);
+        polygon.push_back(glm::dvec2(c, s) * (cageScale(sides) * (1 + lobeDepth * base::det::sin(lobes * angle))));
     }
-    const double scale = cageScale(cage.sides);
+    return polygon;
+}
+
+/// Writes lane `lane` of the control points, [control][xyz][lane].
+void writeControls(const Stem& stem, const Polygon& polygon, size_t lane, float* controls) {
     float* out = controls + lane;
     for (size_t i = 0; i < stem.rings.size(); ++i) {
         const Ring& ring = stem.rings[i];
         const glm::dvec3 centre = stem.cageCentre(i);
-        for (int k = 0; k < cage.sides; ++k, out += 3 * kLanes) {
-            const double r = ring.radius * scale * lobes[size_t(k)];
-            const glm::dvec3 p = centre + ring.frame[0] * (r * circle[size_t(k)].cos) + ring.frame[1] * (r * circle[size_t(k)].sin);
+        const glm::dvec3 x = ring.frame[0] * ring.radius, y = ring.frame[1] * ring.radius;
+        for (const glm::dvec2& corner : polygon) {
+            const glm::dvec3 p = centre + x * corner.x + y * corner.y;
             for (int axis = 0; axis < 3; ++axis) out[axis * kLanes] = float(p[axis]);
+            out += 3 * kLanes;
         }
     }
 }
@@ -125,11 +129,12 @@ Mesh buildBark(const Species& species, const Skeleton& skeleton, const BarkPlan&
     for (const auto& [key, stems] : groups) {
         const TubeTopology& topology = tubeTopology(std::get<0>(key), std::get<1>(key), std::get<2>(key));
         controls.assign(size_t(topology.controls()) * 3 * kLanes, 0.0f);
+        const Polygon round = ringPolygon(topology.sides, 0, 0), lobed = ringPolygon(topology.sides, species.lobes, species.lobeDepth);
         for (size_t begin = 0; begin < stems.size(); begin += kLanes) {
             const size_t lanes = std::min(size_t(kLanes), stems.size() - begin);
             for (size_t lane = 0; lane < lanes; ++lane) {
                 const Stem& stem = skeleton.stems[stems[begin + lane]];
-                writeControls(species, stem, cageOf(species, stem, plan.coarser), lane, controls.data());
+                writeControls(stem, stem.level == 0 ? lobed : round, lane, controls.data());
             }
             evaluateTubes(topology, controls.data(), int(lanes), &mesh.positions[vertex], &mesh.normals[vertex]);
             for (size_t lane = 0; lane < lanes; ++lane, vertex += topology.vertices())

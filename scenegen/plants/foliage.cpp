@@ -60,27 +60,28 @@ struct Blade {
     double length, width;
 };
 
-void addVertex(Mesh& mesh, const glm::dvec3& p, const glm::dvec3& n) {
-    mesh.positions.push_back(glm::vec3(p));
-    mesh.normals.push_back(glm::vec3(glm::normalize(n)));
+/// The four corners of blade `at` and its two triangles (0, 1, 2) and (0, 2, 3).
+void setBlade(Mesh& mesh, size_t at, const glm::dvec3 (&positions)[4], const glm::dvec3 (&normals)[4]) {
+    for (size_t i = 0; i < 4; ++i) {
+        mesh.positions[4 * at + i] = glm::vec3(positions[i]);
+        mesh.normals[4 * at + i] = glm::vec3(normals[i]);
+    }
+    uint32_t* index = &mesh.indices[6 * at];
+    for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) *index++ = uint32_t(4 * at) + i;
 }
 
-void addLeaf(Mesh& mesh, const Blade& b) {
-    const auto base = uint32_t(mesh.positions.size());
+void setLeaf(Mesh& mesh, size_t at, const Blade& b) {
     const glm::dvec3 middle = b.root + b.along * (0.45 * b.length) + b.normal * (0.12 * b.width), side = b.across * (0.5 * b.width);
-    addVertex(mesh, b.root, b.normal);
-    addVertex(mesh, middle + side, b.normal - 0.4 * b.across);
-    addVertex(mesh, b.root + b.along * b.length, b.normal);
-    addVertex(mesh, middle - side, b.normal + 0.4 * b.across);
-    for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(base + i);
+    // The halves lean towards the midrib: normals 0.96² + 0.28² = 1.
+    const glm::dvec3 up = 0.96 * b.normal, lean = 0.28 * b.across;
+    setBlade(mesh, at, {b.root, middle + side, b.root + b.along * b.length, middle - side}, {b.normal, up - lean, b.normal, up + lean});
 }
 
-void addCard(Mesh& mesh, const Blade& b) {
-    const auto base = uint32_t(mesh.positions.size());
+void setCard(Mesh& mesh, size_t at, const Blade& b) {
     const glm::dvec3 side = b.across * (0.5 * b.width), tip = b.root + b.along * b.length;
-    for (const glm::dvec3& p : {b.root - side, b.root + side, tip + side, tip - side}) addVertex(mesh, p, b.normal);
-    for (const glm::vec2 uv : {glm::vec2(0, 1), glm::vec2(1, 1), glm::vec2(1, 0), glm::vec2(0, 0)}) mesh.uvs.push_back(uv);
-    for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(base + i);
+    setBlade(mesh, at, {b.root - side, b.root + side, tip + side, tip - side}, {b.normal, b.normal, b.normal, b.normal});
+    const glm::vec2 uvs[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    std::copy_n(uvs, 4, &mesh.uvs[4 * at]);
 }
 
 /// Leaf k of n at a site.
@@ -100,7 +101,7 @@ Blade placeBlade(const LeafParameters& p, const Site& site, LeafMode mode, size_
     const glm::dvec3 out = at.frame[0] * cs + at.frame[1] * ss;
     const glm::dvec3 along = glm::normalize(at.frame[2] * cd + out * sd);
 
-    const glm::dvec3 chance(random.next(-1, 1), random.next(-1, 1), random.next(-1, 1));
+    const glm::dvec3 chance{random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)};  // braces: drawn in this order
     glm::dvec3 wanted = chance * (1 - p.flat) + glm::dvec3(0, 0, 1) * p.flat + 0.2 * out;
     wanted -= along * glm::dot(wanted, along);
     if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[1] - along * glm::dot(at.frame[1], along);
@@ -125,10 +126,10 @@ Mesh buildLeaves(const Species& species, const Skeleton& skeleton, std::span<con
     for (const Site& site : sites) available += site.leaves;
     Mesh mesh;
     if (available <= 0 || count == 0) return mesh;
-    mesh.positions.reserve(4 * count);
-    mesh.normals.reserve(4 * count);
-    mesh.indices.reserve(6 * count);
-    if (mode == LeafMode::card) mesh.uvs.reserve(4 * count);
+    mesh.positions.resize(4 * count);
+    mesh.normals.resize(4 * count);
+    mesh.indices.resize(6 * count);
+    if (mode == LeafMode::card) mesh.uvs.resize(4 * count);
 
     const double growth = std::clamp(std::sqrt(available / double(count)), kMinGrowth, kMaxGrowth);
     double share = 0;
@@ -139,7 +140,7 @@ Mesh buildLeaves(const Species& species, const Skeleton& skeleton, std::span<con
         base::Random random(seed, site.twig, kLeafPurpose);
         for (size_t k = 0, n = upTo - placed; k < n; ++k) {
             const Blade blade = placeBlade(species.leaves, site, mode, k, n, growth, random);
-            mode == LeafMode::card ? addCard(mesh, blade) : addLeaf(mesh, blade);
+            mode == LeafMode::card ? setCard(mesh, placed + k, blade) : setLeaf(mesh, placed + k, blade);
         }
         placed = upTo;
     }
