@@ -23,14 +23,18 @@ class Hasher {
 public:
     void bytes(const void* data, size_t size) {
         const auto* p = static_cast<const unsigned char*>(data);
-        uint64_t word = 0;
+        // The length first: no other split into calls absorbs the same words.
+        state_ = mix64(state_ ^ uint64_t{size});
         for (; size >= 8; p += 8, size -= 8) {
+            uint64_t word = 0;
             std::memcpy(&word, p, 8);
             state_ = mix64(state_ ^ word);
         }
-        word = 0;
-        if (size > 0) std::memcpy(&word, p, size);
-        state_ = mix64(state_ ^ word ^ (uint64_t{size} << 56));
+        uint64_t tail = 0;
+        if (size > 0) {
+            std::memcpy(&tail, p, size);
+            state_ = mix64(state_ ^ tail);
+        }
     }
     template <class T>
         requires std::is_trivially_copyable_v<T>
