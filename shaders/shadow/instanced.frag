@@ -57,7 +57,8 @@ void main() {
     vec4 w0 = uWindows[k0], w1 = uWindows[k1];
     vec2 texel = 2.0 / uSize / min(w0.zw, w1.zw) * vInstance.w;
     float depthStep = vInstance.w / uDepthRange.y * 1.1920929e-7;
-    p = biased(p, normal, uLight, uBasisU * texel.x, uBasisV * texel.y, depthStep);
+    vec2 slope = abs(vec2(dot(normal, uBasisU), dot(normal, uBasisV))) * texel / max(-dot(normal, uLight), 1e-4);
+    p = biased(p, normal, uLight, max(texel.x, texel.y), slope, vec2(0.0), depthStep);
     vec3 q = (p - vInstance.xyz) / vInstance.w;
     vec3 s0 = mapCoordinates(k0, q, -weight * turnStep), s1 = mapCoordinates(k1, q, (1.0 - weight) * turnStep);
     float layer0 = float(uFirstLayer + k0), layer1 = float(uFirstLayer + k1);

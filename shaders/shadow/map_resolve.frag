@@ -14,6 +14,12 @@ uniform int uLayers;
 uniform float uSize;
 layout(location = 0) out vec2 oVisibility;
 
+// Change of the map's normalised depth for a small world step from the point whose clip coordinates are q.
+float depthStep(mat4 clip, vec4 q, vec3 worldStep) {
+    vec4 d = clip * vec4(worldStep, 0.0);
+    return (d.z - q.z / q.w * d.w) / q.w;
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = texelFetch(uDepth, pixel, 0).r;
@@ -40,7 +46,13 @@ void main() {
     float det = a.x * b.y - b.x * a.y;
     vec3 Tu = (uBasisU * b.y - uBasisV * a.y) / det, Tv = (uBasisV * a.x - uBasisU * b.x) / det;
 
-    q = clip * vec4(biased(p, normal, uLight, Tu, Tv, uSplits[layer].y), 1.0);
+    // Steps of one texel that stay on the receiver's plane, and how far they move the map's depth along the light.
+    float facing = max(-dot(normal, uLight), 1e-4), perMetre = (clip * vec4(uLight, 0.0)).z / q.w;
+    vec3 onU = Tu + uLight * (dot(normal, Tu) / facing), onV = Tv + uLight * (dot(normal, Tv) / facing);
+    vec2 slope = abs(vec2(depthStep(clip, q, onU), depthStep(clip, q, onV))) / perMetre;
+    vec2 flatSlope = abs(vec2(depthStep(clip, q, Tu), depthStep(clip, q, Tv))) / perMetre;
+
+    q = clip * vec4(biased(p, normal, uLight, max(length(Tu), length(Tv)), slope, flatSlope, uSplits[layer].y), 1.0);
     vec3 s = q.xyz / q.w;
     oVisibility.r = filtered(uMap, float(layer), (s.xy * 0.5 + 0.5) * uSize, uSize, s.z);
 }

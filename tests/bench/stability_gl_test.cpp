@@ -120,8 +120,10 @@ TEST_P(EveryTechnique, ConvergesToTheReference) {
         for (PointSpec* s : {&coarse, &middle, &fine}) s->width = 320, s->height = 240;
         const double e64 = metric(coarse, "error"), e512 = metric(middle, "error"), e4096 = metric(fine, "error");
         EXPECT_LT(e512, e64) << scene;
-        EXPECT_LE(e4096, e512) << scene;
-        EXPECT_LE(e4096, 2 * metric(fine, "reference_floor")) << scene;
+        // Once both are below what half a pixel's shift would cost, single pixels decide which is smaller.
+        const double floor = metric(fine, "reference_floor");
+        EXPECT_LE(e4096, std::max(e512, floor)) << scene;
+        EXPECT_LE(e4096, 2 * floor) << scene;
     }
 }
 

@@ -110,6 +110,7 @@ LightBasis lightBasis(const glm::dvec3& light, const glm::dvec3& viewForward) {
 }
 
 std::vector<glm::dvec3> viewBody(const frame::Camera& camera, double near, double far, const base::DBox& box) {
+    if (box.empty()) return {};
     std::vector<glm::dvec4> planes;
     for (const glm::dvec4& plane : camera.planes()) planes.push_back(plane);
     planes[0].w = -near;
