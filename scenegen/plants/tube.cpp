@@ -6,6 +6,7 @@
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -112,15 +113,22 @@ double cageScale(int sides) { return 3 / (2 + base::det::cos(2 * base::det::kPi 
 void evaluateTubes(const TubeTopology& topology, const float* controls, int lanes, glm::vec3* positions, glm::vec3* normals) {
     const uint32_t count = topology.vertices();
     for (uint32_t v = 0; v < count; ++v) {
-        std::array<float, 3 * kLanes> p{}, u{}, w{};
-        for (uint32_t i = topology.first[v]; i < topology.first[v + 1]; ++i) {
-            const TubeTopology::Weight& weight = topology.weights[i];
-            const float* c = controls + size_t(weight.control) * 3 * kLanes;
-            for (size_t k = 0; k < 3 * kLanes; ++k) {
-                p[k] += weight.position * c[k];
-                u[k] += weight.tangentU * c[k];
-                w[k] += weight.tangentV * c[k];
+        std::array<float, 3 * kLanes> p, u, w;
+        // One axis at a time, so that the three sums of 16 lanes stay in registers.
+        for (size_t axis = 0; axis < 3 * kLanes; axis += kLanes) {
+            std::array<float, kLanes> sp{}, su{}, sw{};
+            for (uint32_t i = topology.first[v]; i < topology.first[v + 1]; ++i) {
+                const TubeTopology::Weight weight = topology.weights[i];
+                const float* c = controls + size_t(weight.control) * 3 * kLanes + axis;
+                for (size_t k = 0; k < kLanes; ++k) {
+                    sp[k] += weight.position * c[k];
+                    su[k] += weight.tangentU * c[k];
+                    sw[k] += weight.tangentV * c[k];
+                }
             }
+            std::copy_n(sp.data(), kLanes, &p[axis]);
+            std::copy_n(su.data(), kLanes, &u[axis]);
+            std::copy_n(sw.data(), kLanes, &w[axis]);
         }
         std::array<float, 3 * kLanes> n;
         for (size_t k = 0; k < kLanes; ++k) {
