@@ -34,7 +34,7 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
             if (mesh.indices.empty()) continue;
             const scenegen::Material& material = scene.materials[mesh.material];
             gpu.meshes.push_back({uint32_t(indices.size()), uint32_t(mesh.indices.size()), int32_t(positions.size()),
-                                  mesh.material, material.alphaTested, prototype.closed && !material.doubleSided});
+                                  mesh.material, material.alphaTested, !material.doubleSided});
             (material.alphaTested ? hasAlpha_ : hasOpaque_) = true;
             hasOpaqueTextures_ |= !material.alphaTested && material.texture >= 0;
             positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
