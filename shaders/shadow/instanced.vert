@@ -6,7 +6,8 @@ layout(std430, binding = 0) readonly buffer Corners { uint corners[72]; };
 uniform mat4 uClipFromRelative;
 uniform vec3 uLight;
 uniform vec3 uBoxCentre, uBoxHalf;  // prototype space
-uniform float uExtrusion;           // metres
+uniform float uExtrusion;           // metres: behind the whole scene
+uniform float uFloor;               // height of the lowest receiver, relative to the eye
 flat out vec4 vInstance;
 flat out vec2 vCosSinYaw;
 flat out vec2 vRotation;
@@ -25,6 +26,9 @@ void main() {
     vec3 side = vec3(corner & 1u, (corner >> 1) & 1u, (corner >> 2) & 1u) * 2.0 - 1.0;
     vec3 p = uBoxCentre + uBoxHalf * side * mirror;
     vec3 world = aInstance.xyz + aInstance.w * vec3(aCosSinYaw.x * p.x - aCosSinYaw.y * p.y, aCosSinYaw.y * p.x + aCosSinYaw.x * p.y, p.z);
-    if ((corner & 8u) != 0u) world += uLight * uExtrusion;
+    // Below the lowest receiver there is nothing to darken: a high sun makes short volumes.
+    float top = aInstance.z + aInstance.w * (uBoxCentre.z + uBoxHalf.z);
+    float extrusion = min(uExtrusion, (top - uFloor) / max(-uLight.z, 1e-6));
+    if ((corner & 8u) != 0u) world += uLight * extrusion;
     gl_Position = uClipFromRelative * vec4(world, 1.0);
 }

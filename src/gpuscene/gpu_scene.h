@@ -14,7 +14,7 @@ struct GpuMesh {
     int32_t baseVertex = 0;
     uint32_t material = 0;
     bool alphaTested = false;
-    bool cullBack = false;  ///< closed and single-sided: faces that look away never change a pixel
+    bool cullBack = false;  ///< single-sided material, hence a closed mesh: faces that look away never change a pixel
 };
 
 struct GpuPrototype {

@@ -203,6 +203,7 @@ private:
             nearest = std::min(nearest, glm::dot(sceneBox.corner(corner), frame_.light()));
         }
         extrusion_ = farthest - nearest;  // every volume ends behind the whole scene
+        floor_ = sceneBox.empty() ? 0 : sceneBox.lo.z - 1e-3 * glm::length(sceneBox.size());
         const CasterCull cull(basis_, body, 1e-3 * glm::length(sceneBox.size()));
         scene.collect(camera.eye, [&](uint32_t i) {
             return !body.empty() && scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && cull.keep(frame_.relativeBox(i));
@@ -227,6 +228,7 @@ private:
         glCullFace(GL_FRONT);
         frame_.setView(program);
         program.set("uExtrusion", float(extrusion_));
+        program.set("uFloor", float(floor_));
         program.set("uBasisU", glm::vec3(basis_.u));
         program.set("uBasisV", glm::vec3(basis_.v));
         program.set("uSize", float(size_));
@@ -275,7 +277,7 @@ private:
     gl::Buffer corners_, rotationBuffer_;
     gl::Program depth_, depthAlpha_, begin_, volumes_, count_;
     gpuscene::DrawList casters_;
-    double extrusion_ = 0;
+    double extrusion_ = 0, floor_ = 0;  // metres; floor_ relative to the eye
 };
 
 }  // namespace

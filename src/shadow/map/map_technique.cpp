@@ -30,7 +30,9 @@ public:
         if (frame.scene().has(Bucket::opaque)) depth_ = gl::Program("shadow/map_depth.vert", "");
         if (frame.scene().has(Bucket::alphaTested))
             depthAlpha_ = gl::Program("shadow/map_depth.vert", "shadow/map_depth.frag", {"ALPHA_TEST"});
-        resolve_ = gl::Program("passes/fullscreen.vert", "shadow/map_resolve.frag", samplingDefines(settings));
+        std::vector<std::string> defines = samplingDefines(settings);
+        if (kind_ == FitKind::lispsm) defines.push_back("WARPED");
+        resolve_ = gl::Program("passes/fullscreen.vert", "shadow/map_resolve.frag", defines);
     }
 
     std::vector<frame::Pass> passes() override {
@@ -135,10 +137,13 @@ private:
         glBindFramebuffer(GL_FRAMEBUFFER, frame_.visibilityTarget().name());
         glViewport(0, 0, frame_.camera().width, frame_.camera().height);
         std::array<glm::mat4, 8> clips{};
-        std::array<glm::vec4, 8> splits{};
+        std::array<glm::vec4, 8> splits{}, texels{};
         for (size_t i = 0; i < cascades_.size(); ++i) {
             const LightFit& fit = cascades_[i].fit;
             clips[i] = glm::mat4(fit.clipFromRelative);
+            // Rows u and v of an orthographic matrix are unit axes over half the window's extent.
+            const auto extent = [&](int row) { return 2 / (size_ * glm::length(glm::dvec3(fit.clipFromRelative[0][row], fit.clipFromRelative[1][row], fit.clipFromRelative[2][row]))); };
+            if (!fit.empty) texels[i] = {float(extent(0)), float(extent(1)), 0, 0};
             splits[i] = {float(cascades_[i].far), float(fit.depthRange * 0x1p-23), needed(cascades_[i]).empty(), 0};
         }
         frame_.setView(resolve_);
@@ -146,6 +151,7 @@ private:
         resolve_.set("uBasisV", glm::vec3(basis_.v));
         resolve_.set("uLightClips[0]", std::span<const glm::mat4>(clips.data(), cascades_.size()));
         resolve_.set("uSplits[0]", std::span<const glm::vec4>(splits.data(), cascades_.size()));
+        resolve_.set("uTexels[0]", std::span<const glm::vec4>(texels.data(), cascades_.size()));
         resolve_.set("uLayers", layers_);
         resolve_.set("uSize", float(size_));
         resolve_.set("uBiasScale", std::stof(settings_.at("bias-scale")));
