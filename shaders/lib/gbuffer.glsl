@@ -1,13 +1,11 @@
-// Reading and writing the G-buffer. Octahedral unit vectors (Cigolle et al. 2014) in [0, 1]².
-vec2 encodeUnit(vec3 n) {
-    n /= abs(n.x) + abs(n.y) + abs(n.z);
-    vec2 e = n.z >= 0.0 ? n.xy : (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
-    return e * 0.5 + 0.5;
+// The G-buffer's one colour target, RGBA32UI: colour and specular strength (8 bits each, colour as its square
+// root), shading normal, geometric normal (10 bits a component), unused. Integer texels are stored as they
+// are: writing several converted targets costs a software rasteriser more than the whole vertex stage.
+uint packNormal(vec3 n) {
+    ivec3 i = ivec3(round(n * 511.0)) & 1023;
+    return uint(i.x | i.y << 10 | i.z << 20);
 }
-vec3 decodeUnit(vec2 e) {
-    e = e * 2.0 - 1.0;
-    vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
-    float t = max(-n.z, 0.0);
-    n.xy += vec2(n.x >= 0.0 ? -t : t, n.y >= 0.0 ? -t : t);
-    return normalize(n);
+vec3 unpackNormal(uint bits) {
+    ivec3 i = ivec3(int(bits) << 22, int(bits) << 12, int(bits) << 2) >> 22;
+    return normalize(vec3(i));
 }

@@ -25,8 +25,8 @@ Surface surface() {
 #ifdef ALPHA_TEST
     alphaTest(vUv);
 #endif
+    // The triangle's plane faces the viewer by the derivatives' order; the vertices' normal may not.
     vec3 normal = normalize(vNormal);
-    if (dot(geometric, vPosition) > 0.0) geometric = -geometric;
     if (dot(normal, geometric) < 0.0) normal = -normal;
     return Surface(albedo, normal, geometric);
 }

@@ -1,8 +1,7 @@
 #include "lib/gbuffer.glsl"
 #include "lib/view.glsl"
 #include "lib/shading.glsl"
-layout(binding = 0) uniform sampler2D uAlbedoMap;
-layout(binding = 1) uniform sampler2D uNormals;
+layout(binding = 1) uniform usampler2D uSurface;
 layout(binding = 2) uniform sampler2D uDepth;
 #ifdef SHADOWED
 layout(binding = 3) uniform sampler2D uVisibility;
@@ -16,12 +15,13 @@ void main() {
         oColour = vec4(sky(ray), 1.0);
         return;
     }
-    vec4 albedo = texelFetch(uAlbedoMap, pixel, 0);
-    vec3 normal = decodeUnit(texelFetch(uNormals, pixel, 0).xy);
+    uvec4 surface = texelFetch(uSurface, pixel, 0);
+    vec4 albedo = unpackUnorm4x8(surface.x);
+    vec3 normal = unpackNormal(surface.y);
 #ifdef SHADOWED
     float visibility = texelFetch(uVisibility, pixel, 0).r;
 #else
     const float visibility = 1.0;
 #endif
-    oColour = vec4(shade(albedo.rgb, albedo.a, normal, -ray, visibility), 1.0);
+    oColour = vec4(shade(albedo.rgb * albedo.rgb, albedo.a, normal, -ray, visibility), 1.0);
 }

@@ -8,7 +8,7 @@ layout(binding = 3) uniform sampler2DArrayShadow uMap;
 #else
 layout(binding = 3) uniform sampler2DArray uMap;
 #endif
-layout(binding = 1) uniform sampler2D uNormals;
+layout(binding = 1) uniform usampler2D uSurface;
 layout(binding = 2) uniform sampler2D uDepth;  // the copy
 uniform vec3 uLight;
 uniform vec3 uBasisU, uBasisV;
@@ -49,7 +49,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 p = viewRay(gl_FragCoord.xy) * eyeDepth(texelFetch(uDepth, pixel, 0).r);
     if (!inVolume(unrotate((p - vInstance.xyz) / vInstance.w) - uBoxCentre, unrotate(uLight))) discard;
-    vec3 normal = decodeUnit(texelFetch(uNormals, pixel, 0).zw);
+    vec3 normal = unpackNormal(texelFetch(uSurface, pixel, 0).z);
     if (dot(normal, uLight) >= 0.0) discard;  // dark already
 
     int k0 = int(vRotation.x), k1 = k0 + 1 == uRotations ? 0 : k0 + 1;

@@ -1,7 +1,7 @@
 // Start of the visibility image: lit where the surface faces the sun. Copies depth, because the volumes test
 // against the depth buffer that they would otherwise have to read.
 #include "lib/gbuffer.glsl"
-layout(binding = 1) uniform sampler2D uNormals;
+layout(binding = 1) uniform usampler2D uSurface;
 layout(binding = 2) uniform sampler2D uDepth;
 uniform vec3 uLight;
 layout(location = 0) out vec2 oVisibility;
@@ -14,6 +14,6 @@ void main() {
         oVisibility = vec2(1.0, 0.0);
         return;
     }
-    vec3 normal = decodeUnit(texelFetch(uNormals, pixel, 0).zw);
+    vec3 normal = unpackNormal(texelFetch(uSurface, pixel, 0).z);
     oVisibility = dot(normal, uLight) >= 0.0 ? vec2(0.0) : vec2(1.0);
 }

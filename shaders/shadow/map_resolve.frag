@@ -3,7 +3,7 @@
 #include "lib/view.glsl"
 #include "lib/bias.glsl"
 #include "lib/filter.glsl"
-layout(binding = 1) uniform sampler2D uNormals;
+layout(binding = 1) uniform usampler2D uSurface;
 layout(binding = 2) uniform sampler2D uDepth;
 layout(binding = 3) uniform sampler2DArrayShadow uMap;
 uniform vec3 uLight;
@@ -28,7 +28,7 @@ void main() {
     float depth = texelFetch(uDepth, pixel, 0).r;
     oVisibility = vec2(1.0, 0.0);
     if (depth == 0.0) return;  // sky
-    vec3 normal = decodeUnit(texelFetch(uNormals, pixel, 0).zw);
+    vec3 normal = unpackNormal(texelFetch(uSurface, pixel, 0).z);
     if (dot(normal, uLight) >= 0.0) {  // the surface looks away from the sun
         oVisibility = vec2(0.0, 0.0);
         return;

@@ -9,14 +9,10 @@ namespace {
 using gpuscene::Attributes;
 using gpuscene::Bucket;
 
-/// Octahedral decode of lib/gbuffer.glsl.
-glm::dvec3 decodeUnit(double x, double y) {
-    glm::dvec2 e(x * 2 - 1, y * 2 - 1);
-    glm::dvec3 n(e, 1 - std::abs(e.x) - std::abs(e.y));
-    const double t = std::max(-n.z, 0.0);
-    n.x += n.x >= 0 ? -t : t;
-    n.y += n.y >= 0 ? -t : t;
-    return glm::normalize(n);
+/// unpackNormal() of lib/gbuffer.glsl.
+glm::dvec3 unpackNormal(uint32_t packed) {
+    const auto component = [&](int shift) { return double(int32_t(packed << (22 - shift)) >> 22); };
+    return glm::normalize(glm::dvec3(component(0), component(10), component(20)));
 }
 
 }  // namespace
@@ -39,10 +35,10 @@ struct Frame::Programs {
 
 Frame::Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int width, int height)
     : scene_(&scene), camera_(view, width, height), light_(scene.scene().sun.direction()),
-      albedo_(GL_SRGB8_ALPHA8, width, height), normals_(GL_RGBA16, width, height), depth_(GL_DEPTH_COMPONENT32F, width, height),
+      surface_(GL_RGBA32UI, width, height), depth_(GL_DEPTH_COMPONENT32F, width, height),
       visibility_(GL_RG16F, width, height), shaded_(GL_SRGB8_ALPHA8, width, height), noAttributes_(gl::makeVertexArray()),
       nearest_(gl::makeSampler({})) {
-    const gl::Texture* geometry[] = {&albedo_, &normals_};
+    const gl::Texture* geometry[] = {&surface_};
     const gl::Texture* visibility[] = {&visibility_};
     const gl::Texture* shaded[] = {&shaded_};
     gbufferTarget_ = gl::makeFramebuffer(geometry, &depth_);
@@ -66,10 +62,9 @@ void Frame::setView(const gl::Program& program) const {
 }
 
 void Frame::bindGeometry() const {
-    glBindTextureUnit(0, albedo_.name());
-    glBindTextureUnit(1, normals_.name());
+    glBindTextureUnit(1, surface_.name());
     glBindTextureUnit(2, depth_.name());
-    for (GLuint unit = 0; unit < 3; ++unit) glBindSampler(unit, nearest_.name());
+    for (const GLuint unit : {1u, 2u}) glBindSampler(unit, nearest_.name());
 }
 
 void Frame::drawFullscreen() const {
@@ -99,7 +94,6 @@ Pass Frame::gbufferPass() {
                 scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
                 const float zero[4] = {0, 0, 0, 0};
                 glBindFramebuffer(GL_FRAMEBUFFER, gbufferTarget_.name());
-                glEnable(GL_FRAMEBUFFER_SRGB);
                 // Colour needs no clearing: pixels that no triangle covers are sky by their depth.
                 glClearBufferfv(GL_DEPTH, 0, zero);
                 drawGeometry(visible_, *gbuffer_, tally);
@@ -190,16 +184,15 @@ truth::Receivers Frame::readReceivers() const {
     truth::Receivers receivers{camera_.width, camera_.height, std::vector<glm::vec3>(w * h), std::vector<glm::vec3>(w * h),
                                std::vector<uint8_t>(w * h)};
     const base::ImageF depth = readChannel(depth_);
-    std::vector<uint16_t> normals(w * h * 4);
-    glGetTextureImage(normals_.name(), 0, GL_RGBA, GL_UNSIGNED_SHORT, GLsizei(normals.size() * sizeof(uint16_t)), normals.data());
+    std::vector<glm::uvec4> surface(w * h);
+    glGetTextureImage(surface_.name(), 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, GLsizei(surface.size() * sizeof(glm::uvec4)), surface.data());
     for (size_t row = 0; row < h; ++row)
         for (size_t x = 0; x < w; ++x) {
             const size_t i = row * w + x, glRow = h - 1 - row;
             if (depth.texels[i] == 0) continue;
             receivers.present[i] = 1;
             receivers.position[i] = glm::vec3(camera_.relativePoint(int(x), int(glRow), depth.texels[i]));
-            const uint16_t* n = &normals[(glRow * w + x) * 4];
-            receivers.normal[i] = glm::vec3(decodeUnit(n[2] / 65535.0, n[3] / 65535.0));
+            receivers.normal[i] = glm::vec3(unpackNormal(surface[glRow * w + x].z));
         }
     return receivers;
 }
@@ -227,7 +220,7 @@ base::Image8 Frame::readShaded() const {
 }
 
 size_t Frame::targetBytes() const {
-    return albedo_.bytes() + normals_.bytes() + depth_.bytes() + visibility_.bytes() + shaded_.bytes();
+    return surface_.bytes() + depth_.bytes() + visibility_.bytes() + shaded_.bytes();
 }
 
 }  // namespace dapple::frame

@@ -31,7 +31,7 @@ public:
     base::DBox relativeBox(uint32_t instance) const;
 
     // Targets. Rows from the bottom, as GL has them.
-    const gl::Texture& normals() const { return normals_; }      ///< RGBA16: shading, geometric; octahedral
+    const gl::Texture& surface() const { return surface_; }      ///< RGBA32UI, see lib/gbuffer.glsl
     const gl::Texture& depth() const { return depth_; }          ///< D32F, reversed; 0 = sky
     const gl::Texture& visibility() const { return visibility_; }///< RG16F: V (0 dark … 1 lit), validity
     const gl::Texture& shaded() const { return shaded_; }        ///< sRGB
@@ -39,7 +39,7 @@ public:
 
     /// Sets the uniforms of lib/view.glsl and uLight.
     void setView(const gl::Program& program) const;
-    /// Binds normals to unit 1 and depth to unit 2, as the resolves of all techniques expect them.
+    /// Binds surface to unit 1 and depth to unit 2, as the resolves of all techniques expect them.
     void bindGeometry() const;
     /// Draws the triangle that covers the screen.
     void drawFullscreen() const;
@@ -69,7 +69,7 @@ private:
     const gpuscene::GpuScene* scene_;
     Camera camera_;
     glm::dvec3 light_;
-    gl::Texture albedo_, normals_, depth_, visibility_, shaded_, overdraw_;
+    gl::Texture surface_, depth_, visibility_, shaded_, overdraw_;
     gl::Framebuffer gbufferTarget_, visibilityTarget_, shadedTarget_, bareTarget_, overdrawTarget_, countTarget_;
     gl::VertexArray noAttributes_;
     gl::Sampler nearest_;

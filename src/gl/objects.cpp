@@ -44,7 +44,7 @@ size_t bytesPerTexel(GLenum format) {
         case GL_RGBA8: case GL_SRGB8_ALPHA8: case GL_R32F: case GL_RG16F: case GL_RG16: case GL_R32UI:
         case GL_DEPTH_COMPONENT24: case GL_DEPTH_COMPONENT32F: return 4;
         case GL_RGBA16: case GL_RGBA16F: case GL_RG32F: return 8;
-        case GL_RGBA32F: return 16;
+        case GL_RGBA32F: case GL_RGBA32UI: return 16;
         default: throw base::Error(base::ExitCode::failed, fmt::format("no texel size known for format 0x{:x}", format));
     }
 }

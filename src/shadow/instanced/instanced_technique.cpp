@@ -204,7 +204,8 @@ private:
         }
         extrusion_ = farthest - nearest;  // every volume ends behind the whole scene
         floor_ = sceneBox.empty() ? 0 : sceneBox.lo.z - 1e-3 * glm::length(sceneBox.size());
-        const CasterCull cull(basis_, body, 1e-3 * glm::length(sceneBox.size()));
+        const glm::dmat4 metres = glm::transpose(glm::dmat4(glm::dvec4(basis_.u, 0), glm::dvec4(basis_.v, 0), glm::dvec4(basis_.l, 0), glm::dvec4(0, 0, 0, 1)));
+        const CasterCull cull(basis_, metres, body, 1e-3 * glm::length(sceneBox.size()));
         scene.collect(camera.eye, [&](uint32_t i) {
             return !body.empty() && scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && cull.keep(frame_.relativeBox(i));
         }, casters_);

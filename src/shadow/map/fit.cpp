@@ -171,14 +171,17 @@ std::vector<double> practicalSplits(double near, double far, int count, double l
     return splits;
 }
 
-CasterCull::CasterCull(const LightBasis& basis, const std::vector<glm::dvec3>& body, double margin) : basis_(basis), margin_(margin) {
+CasterCull::CasterCull(const LightBasis& basis, const glm::dmat4& clipFromRelative, const std::vector<glm::dvec3>& body, double margin)
+    : light_(basis.l), clip_(clipFromRelative), farthest_(-1e300), margin_(margin) {
     std::vector<glm::dvec2> points;
-    farthest_ = -1e300;
+    double extent = 0;
     for (const glm::dvec3& p : body) {
-        const glm::dvec3 q = basis.toLight(p);
-        points.emplace_back(q);
-        farthest_ = std::max(farthest_, q.z + margin);
+        const glm::dvec4 q = clip_ * glm::dvec4(p, 1);
+        points.emplace_back(glm::dvec2(q) / q.w);
+        farthest_ = std::max(farthest_, glm::dot(p, light_));
+        extent = std::max(extent, glm::length(p));
     }
+    farthest_ += 1e-3 * extent;  // a bias may move receivers away from the sun
     // Monotone chain (Andrew 1979).
     std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
     const auto turnsRight = [&](const glm::dvec2& p) {
@@ -198,10 +201,26 @@ CasterCull::CasterCull(const LightBasis& basis, const std::vector<glm::dvec3>& b
 
 bool CasterCull::keep(const base::DBox& box) const {
     if (box.empty()) return false;
-    base::DBox caster;
-    for (int i = 0; i < 8; ++i) caster.extend(basis_.toLight(box.corner(i)));
-    if (caster.lo.z > farthest_) return false;
-    const glm::dvec2 lo = glm::dvec2(caster.lo) - margin_, hi = glm::dvec2(caster.hi) + margin_;
+    glm::dvec2 lo(1e300), hi(-1e300);
+    double nearest = 1e300;
+    int behind = 0;
+    for (int i = 0; i < 8; ++i) {
+        const glm::dvec3 p = box.corner(i);
+        const glm::dvec4 q = clip_ * glm::dvec4(p, 1);
+        nearest = std::min(nearest, glm::dot(p, light_));
+        if (q.w <= 0) {
+            ++behind;
+            continue;
+        }
+        lo = glm::min(lo, glm::dvec2(q) / q.w);
+        hi = glm::max(hi, glm::dvec2(q) / q.w);
+    }
+    // w is constant along the light and positive at receivers: a box behind a warp's centre of projection cannot
+    // reach them, one across it cannot be judged by its projection.
+    if (nearest > farthest_ || behind == 8) return false;
+    if (behind > 0) return true;
+    lo -= margin_;
+    hi += margin_;
     // Separating axes of two convex polygons: the rectangle's two, then the hull's edges.
     glm::dvec2 hullLo(1e300), hullHi(-1e300);
     for (const glm::dvec2& p : hull_) {

@@ -117,7 +117,10 @@ private:
         if (index == 0) fitCascades();
         Cascade& c = cascades_[size_t(index)];
         const gpuscene::GpuScene& scene = frame_.scene();
-        const CasterCull cull(basis_, c.body, 4 * c.fit.maxTexel);
+        // The kernel reaches r + ½ texels; a normal offset moves the receiver by up to (2r + 1) times its scale.
+        const double r = kernelRadius(settings_);
+        const double reach = r + 1.5 + (settings_.at("bias") == "normal-offset" ? (2 * r + 1) * std::stod(settings_.at("bias-scale")) : 0);
+        const CasterCull cull(basis_, c.fit.clipFromRelative, c.body, reach * 2 / size_);
         const bool all = settings_.at("cull") == "none";
         const auto keep = [&](uint32_t i) {
             return scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && (all || cull.keep(frame_.relativeBox(i)));
