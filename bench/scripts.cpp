@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "bench/process.h"
+#include "scenegen/import/import.h"
 
 #include <fmt/format.h>
 
@@ -28,13 +29,27 @@ void plotRun(const std::string& folder) {
 }
 
 std::string plotOf(const std::string& folder) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
-        if (entry.path().extension() == ".png") return entry.path().string();
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (entry.path().extension() == ".png" && (name.starts_with("work_precision_") || name == "stability.png")) return entry.path().string();
+    }
     return folder;
 }
 
+void fetchRealScenes(const std::vector<std::string>& scenes) {
+    for (const std::string& scene : scenes) {
+        if (!scenegen::isRealScene(scene)) continue;
+        try {
+            scenegen::realScenePath(scene);
+        } catch (const base::UsageError&) {  // not in the cache yet; the script says how much it downloads
+            runScript({"/bin/bash", (base::homeFolder() / "scenegen/import/fetch_real").string(), scene}, "fetch the scene " + scene);
+        }
+    }
+}
+
 void writeBundle(const std::string& file) {
-    runScript({"/bin/bash", (base::homeFolder() / "bench/bundle.sh").string(), "-o", file}, "write the bundle");
+    runScript({"/bin/bash", (base::homeFolder() / "bench/bundle.sh").string(), "-o", file, "-p", fs::read_symlink("/proc/self/exe").string()},
+              "write the bundle");
 }
 
 }  // namespace dapple::bench

@@ -1,12 +1,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace dapple::bench {
 
 /// Draws the figures of the run in `folder` with bench/report/plot.py. Throws UsageError if the folder holds
 /// no run; Error with the script's exit code if it fails, which has then said why.
 void plotRun(const std::string& folder);
+
+/// Downloads those of `scenes` that are real scenes and not in the cache, with scenegen/import/fetch_real. Throws as
+/// plotRun().
+void fetchRealScenes(const std::vector<std::string>& scenes);
 
 /// The work-precision diagram that plotRun() drew (.png); `folder` if there is none.
 std::string plotOf(const std::string& folder);

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "bench/run_folder.h"
+#include "bench/scripts.h"
 #include "bench/verbs/sweep_options.h"
 #include "bench/verbs/verbs.h"
 
@@ -22,6 +23,7 @@ void addRun(CLI::App& app) {
         const Sweep sweep = options->read();
         const PointFilter filter(options->filters);
         RunFolder::check(run->folder, run->resume);
+        fetchRealScenes(sweep.scenes);
         const auto workbench = makeWorkbench(app);
         const Plan plan = makePlan(sweep, *workbench, filter);
         requireClean(runPlan(plan, *workbench, *run), run->folder);
