@@ -42,7 +42,7 @@ void fetchRealScenes(const std::vector<std::string>& scenes) {
         try {
             scenegen::realScenePath(scene);
         } catch (const base::UsageError&) {  // not in the cache yet; the script says how much it downloads
-            runScript({"/bin/bash", (base::homeFolder() / "scenegen/import/fetch_real").string(), scene}, "fetch the scene " + scene);
+            runScript({"/usr/bin/python3", (base::homeFolder() / "scenegen/import/fetch_real").string(), scene}, "fetch the scene " + scene);
         }
     }
 }

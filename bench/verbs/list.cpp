@@ -4,6 +4,7 @@
 #include "bench/table.h"
 #include "bench/verbs/verbs.h"
 #include "base/error.h"
+#include "scenegen/import/import.h"
 #include "scenegen/library.h"
 
 #include <CLI/Error.hpp>
@@ -18,7 +19,8 @@ using Rows = std::vector<std::vector<std::string>>;
 
 Rows scenes() {
     Rows rows;
-    for (const scenegen::SceneEntry& s : scenegen::listScenes()) rows.push_back({s.name, s.description});
+    for (const auto& entries : {scenegen::listScenes(), scenegen::listRealScenes()})
+        for (const scenegen::SceneEntry& s : entries) rows.push_back({s.name, s.description});
     return rows;
 }
 
