@@ -75,14 +75,13 @@ TEST_F(GpuSceneTest, BytesAreThoseOfTheContent) {
     EXPECT_EQ(gpu.prototypes()[1].meshes[0].firstIndex, 9u);
 }
 
-TEST_F(GpuSceneTest, OnlyClosedSingleSidedMeshesCullTheirBacks) {
-    scenegen::Scene scene = sceneOf({{fan(3, 0, false)}, {fan(3, 0, false)}, {fan(3, 1, true)}});
+TEST_F(GpuSceneTest, OnlySingleSidedMaterialsCullTheirBacks) {
+    // A tree's prototype is open by its leaves; its bark is closed, and its material says so.
+    scenegen::Scene scene = sceneOf({{fan(3, 0, false), fan(3, 1, true)}});
     scene.materials[0].doubleSided = false;
-    scene.prototypes[0].closed = scene.prototypes[2].closed = true;
     const GpuScene gpu(scene);
     EXPECT_TRUE(gpu.prototypes()[0].meshes[0].cullBack);
-    EXPECT_FALSE(gpu.prototypes()[1].meshes[0].cullBack);  // not closed
-    EXPECT_FALSE(gpu.prototypes()[2].meshes[0].cullBack);  // double-sided material
+    EXPECT_FALSE(gpu.prototypes()[0].meshes[1].cullBack);
 }
 
 /// 300 instances of three prototypes and of one without triangles, strewn about.
