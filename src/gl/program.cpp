@@ -58,6 +58,15 @@ std::string readableLog(const std::string& log, const std::vector<std::string>& 
     return result;
 }
 
+/// The driver's log of a shader or a program; `get` is glGetShaderInfoLog or glGetProgramInfoLog.
+std::string infoLog(void (*get)(GLuint, GLsizei, GLsizei*, GLchar*), GLuint name) {
+    std::string log(4096, '\0');
+    GLsizei length = 0;
+    get(name, GLsizei(log.size()), &length, log.data());
+    log.resize(size_t(length));
+    return log;
+}
+
 GLuint compile(GLenum stage, const std::string& file, const std::vector<std::string>& defines) {
     Source source{"#version 450 core\n", {}};
     for (const std::string& define : defines) source.text += "#define " + define + '\n';
@@ -69,10 +78,7 @@ GLuint compile(GLenum stage, const std::string& file, const std::vector<std::str
     GLint ok = 0;
     glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
     if (!ok) {
-        std::string log(4096, '\0');
-        GLsizei length = 0;
-        glGetShaderInfoLog(shader, GLsizei(log.size()), &length, log.data());
-        log.resize(size_t(length));
+        const std::string log = infoLog(glGetShaderInfoLog, shader);
         glDeleteShader(shader);
         throw base::UsageError(fmt::format("shaders/{} does not compile: {}", file, readableLog(log, source.files)));
     }
@@ -97,11 +103,8 @@ Program::Program(const std::string& vertex, const std::string& fragment, const s
     GLint ok = 0;
     glGetProgramiv(program, GL_LINK_STATUS, &ok);
     if (!ok) {
-        std::string log(4096, '\0');
-        GLsizei length = 0;
-        glGetProgramInfoLog(program, GLsizei(log.size()), &length, log.data());
-        log.resize(size_t(length));
-        throw base::UsageError(fmt::format("shaders/{} and shaders/{} do not link: {}", vertex, fragment, readableLog(log, {})));
+        throw base::UsageError(fmt::format("shaders/{} and shaders/{} do not link: {}", vertex, fragment,
+                                           readableLog(infoLog(glGetProgramInfoLog, program), {})));
     }
 }
 
