@@ -47,8 +47,7 @@ Frame::Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int wi
     bareTarget_ = gl::makeFramebuffer(shaded, &depth_);
 }
 
-base::DBox Frame::relativeBox(uint32_t instance) const {
-    const base::Box& box = scene_->instanceBoxes()[instance];
+base::DBox Frame::relative(const base::Box& box) const {
     return box.empty() ? base::DBox{} : base::DBox{glm::dvec3(box.lo) - camera_.eye, glm::dvec3(box.hi) - camera_.eye};
 }
 
@@ -72,7 +71,7 @@ void Frame::drawFullscreen() const {
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally) {
+void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally, gpuscene::Faces faces) {
     glViewport(0, 0, camera_.width, camera_.height);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -80,7 +79,7 @@ void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& program
         if (!program.name()) return;
         setView(program);
         program.use();
-        const gpuscene::DrawCount count = scene_->draw(list, bucket, attributes, program.name());
+        const gpuscene::DrawCount count = scene_->draw(list, bucket, attributes, program.name(), faces);
         tally.drawCalls += count.draws;
         tally.trianglesSubmitted += count.triangles;
     };
@@ -110,7 +109,7 @@ Pass Frame::barePass() {
                 glEnable(GL_FRAMEBUFFER_SRGB);
                 glClearBufferfv(GL_COLOR, 0, zero);
                 glClearBufferfv(GL_DEPTH, 0, zero);
-                drawGeometry(everything_, *bare_, tally);
+                drawGeometry(everything_, *bare_, tally, gpuscene::Faces::both);
             }};
 }
 
@@ -217,10 +216,6 @@ base::Image8 Frame::readShaded() const {
     for (size_t y = 0; y < h; ++y)
         for (size_t x = 0; x < w; ++x) std::copy_n(&rows[((h - 1 - y) * w + x) * 4], 3, image.at(int(x), int(y)));
     return image;
-}
-
-size_t Frame::targetBytes() const {
-    return surface_.bytes() + depth_.bytes() + visibility_.bytes() + shaded_.bytes();
 }
 
 }  // namespace dapple::frame

@@ -27,8 +27,9 @@ public:
     const Camera& camera() const { return camera_; }
     const glm::dvec3& light() const { return light_; }  ///< unit, direction in which the light travels
     bool sunUp() const { return light_.z < 0; }
-    /// Box of an instance relative to the eye.
-    base::DBox relativeBox(uint32_t instance) const;
+    /// Box of an instance, or of the whole scene, relative to the eye.
+    base::DBox relativeBox(uint32_t instance) const { return relative(scene_->instanceBoxes()[instance]); }
+    base::DBox relativeSceneBox() const { return relative(scene_->box()); }
 
     // Targets. Rows from the bottom, as GL has them.
     const gl::Texture& surface() const { return surface_; }      ///< RGBA32UI, see lib/gbuffer.glsl
@@ -60,11 +61,11 @@ public:
     base::Image8 readShaded() const;
     base::ImageF readChannel(const gl::Texture& texture, int layer = 0) const;  ///< first channel or depth
 
-    size_t targetBytes() const;
-
 private:
     struct Programs;
-    void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally);
+    base::DBox relative(const base::Box& box) const;
+    void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally,
+                      gpuscene::Faces faces = gpuscene::Faces::front);
 
     const gpuscene::GpuScene* scene_;
     Camera camera_;

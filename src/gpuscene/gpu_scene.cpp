@@ -54,8 +54,10 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
     // Alpha is tested as the reference tests it: nearest texel of level 0.
     alphaSampler_ = gl::makeSampler({GL_NEAREST, false, GL_REPEAT});
 
-    for (const scenegen::Instance& instance : scene.instances)
+    for (const scenegen::Instance& instance : scene.instances) {
         boxes_.push_back(scenegen::instanceBox(prototypes_[instance.prototype].box, instance));
+        box_.extend(boxes_.back());
+    }
 
     for (int i = 0; i < 4; ++i) {
         const auto set = Attributes(i);
@@ -143,7 +145,7 @@ void GpuScene::setMaterial(uint32_t index, GLuint program) const {
     glBindSampler(1, alphaSampler_.name());
 }
 
-DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program) const {
+DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces) const {
     DrawCount count;
     const GLuint vao = arrays_[int(attributes)].name();
     glVertexArrayVertexBuffer(vao, kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
@@ -153,7 +155,7 @@ DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attribu
         for (const GpuMesh& mesh : prototypes_[range.prototype].meshes) {
             if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
             if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, program);
-            (mesh.cullBack ? glEnable : glDisable)(GL_CULL_FACE);
+            (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
             glDrawElementsInstancedBaseVertexBaseInstance(
                 GL_TRIANGLES, GLsizei(mesh.indexCount), GL_UNSIGNED_INT,
                 reinterpret_cast<const void*>(size_t(mesh.firstIndex) * sizeof(uint32_t)), GLsizei(range.count),

@@ -50,6 +50,8 @@ struct DrawList {
 enum class Bucket { opaque, alphaTested };
 /// Which vertex attributes it reads beside the position.
 enum class Attributes { position, positionUv, positionNormal, all };
+/// Which faces of closed meshes it rasterises: those that look away never change a pixel.
+enum class Faces { front, both };
 
 struct DrawCount {
     size_t draws = 0, triangles = 0;
@@ -65,6 +67,7 @@ public:
     std::span<const GpuPrototype> prototypes() const { return prototypes_; }
     /// Boxes of all instances, metres from Scene::origin.
     std::span<const base::Box> instanceBoxes() const { return boxes_; }
+    const base::Box& box() const { return box_; }  ///< all of them together
     size_t bufferBytes() const;
     size_t textureBytes() const;
 
@@ -75,7 +78,7 @@ public:
     /// Submits the meshes of a bucket. Unless `attributes` is position alone, the material is set on `program`
     /// (uAlbedo = colour and specular strength, uTextured) and its texture bound to units 0 (colour) and 1
     /// (alpha, nearest texel of level 0 as in the reference).
-    DrawCount draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program) const;
+    DrawCount draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces = Faces::front) const;
     /// Whether any mesh is in the bucket; whether an opaque one has a texture.
     bool has(Bucket bucket) const { return bucket == Bucket::opaque ? hasOpaque_ : hasAlpha_; }
     bool hasOpaqueTextures() const { return hasOpaqueTextures_; }
@@ -87,6 +90,7 @@ private:
     scenegen::Facts facts_;
     std::vector<GpuPrototype> prototypes_;
     std::vector<base::Box> boxes_;
+    base::Box box_;
     std::vector<gl::Texture> textures_;
     gl::Buffer positions_, normals_, uvs_, indices_;
     gl::VertexArray arrays_[4];  // by Attributes

@@ -179,30 +179,5 @@ TEST(PracticalSplits, RunMonotonouslyFromNearToFar) {
         }
 }
 
-// A caster of which some point, swept along the light, comes to a visible point must be kept.
-TEST(CasterCull, NeverDropsACasterThatMatters) {
-    const frame::Camera camera(viewAlong({0.2, 1, -0.1}, 0.3, 80), 4, 3);
-    const auto body = viewBody(camera, camera.near, camera.far, kWorld);
-    const std::vector<glm::dvec3> receivers = pointsInView(camera, kWorld, 2000);
-    base::Random random(17, 0, 0);
-    for (const glm::dvec3 light : {glm::dvec3(0, 0, -1), glm::dvec3(1, 0.3, -1), glm::dvec3(-1, -1, -0.05)}) {
-        const glm::dvec3 l = glm::normalize(light);
-        const LightBasis basis = lightBasis(l, camera.forward);
-        for (const FitKind kind : {FitKind::frustum, FitKind::lispsm}) {
-            const CasterCull cull(basis, fitLight(kind, basis, camera, body, {}, 512, 2).clipFromRelative, body, 1e-9);
-            size_t kept = 0;
-            for (const glm::dvec3& p : receivers) {
-                const glm::dvec3 q = p - l * double(random.next(0, 60)), half(random.next(0.01f, 3), random.next(0.01f, 3), random.next(0.01f, 3));
-                EXPECT_TRUE(cull.keep({q - half, q + half}));
-            }
-            for (int i = 0; i < 2000; ++i) {
-                const glm::dvec3 q(random.next(-300, 300), random.next(-300, 300), random.next(0, 30));
-                kept += cull.keep({q - 1.0, q + 1.0});
-            }
-            EXPECT_LT(kept, 1000u);  // and it does drop most of a wide field
-        }
-    }
-}
-
 }  // namespace
 }  // namespace dapple::shadow

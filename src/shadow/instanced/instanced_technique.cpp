@@ -3,7 +3,7 @@
 #include "shadow/families.h"
 
 #include "shadow/instanced/volume.h"
-#include "shadow/map/fit.h"
+#include "shadow/map/caster_cull.h"
 
 #include <fmt/format.h>
 
@@ -194,8 +194,7 @@ private:
     void collectCasters() {
         const gpuscene::GpuScene& scene = frame_.scene();
         const frame::Camera& camera = frame_.camera();
-        base::DBox sceneBox;
-        for (uint32_t i = 0; i < scene.instanceBoxes().size(); ++i) sceneBox.extend(frame_.relativeBox(i));
+        const base::DBox sceneBox = frame_.relativeSceneBox();
         const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
         double farthest = -1e300, nearest = 1e300;
         for (int corner = 0; corner < 8; ++corner) {
@@ -204,10 +203,9 @@ private:
         }
         extrusion_ = farthest - nearest;  // every volume ends behind the whole scene
         floor_ = sceneBox.empty() ? 0 : sceneBox.lo.z - 1e-3 * glm::length(sceneBox.size());
-        const glm::dmat4 metres = glm::transpose(glm::dmat4(glm::dvec4(basis_.u, 0), glm::dvec4(basis_.v, 0), glm::dvec4(basis_.l, 0), glm::dvec4(0, 0, 0, 1)));
-        const CasterCull cull(basis_, metres, body, 1e-3 * glm::length(sceneBox.size()));
+        const CasterCull cull(basis_, camera, body, 1e-3 * glm::length(sceneBox.size()));
         scene.collect(camera.eye, [&](uint32_t i) {
-            return !body.empty() && scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && cull.keep(frame_.relativeBox(i));
+            return scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && cull.keep(frame_.relativeBox(i));
         }, casters_);
         std::vector<glm::vec2> rotations;
         for (const uint32_t i : casters_.instances) {

@@ -59,7 +59,7 @@ LightFit lispsm(const LightBasis& basis, const frame::Camera& camera, const std:
         return fit;
     };
     const double cosGamma = glm::dot(camera.forward, basis.l), sinGamma = glm::length(glm::cross(camera.forward, basis.l));
-    if (std::abs(cosGamma) > 0.9997 || sinGamma < 0.02) return giveUp(fmt::format("view and light are parallel within {:.3g} rad", sinGamma));
+    if (std::abs(cosGamma) > 0.9997) return giveUp(fmt::format("view and light are parallel within {:.3g} rad", sinGamma));
 
     const base::DBox bounds = boundsIn(basis, body);
     const auto eyeDepth = [&](const glm::dvec3& p) { return glm::dot(p, camera.forward); };
@@ -169,72 +169,6 @@ std::vector<double> practicalSplits(double near, double far, int count, double l
         splits.push_back(lambda * near * std::pow(far / near, t) + (1 - lambda) * (near + t * (far - near)));
     }
     return splits;
-}
-
-CasterCull::CasterCull(const LightBasis& basis, const glm::dmat4& clipFromRelative, const std::vector<glm::dvec3>& body, double margin)
-    : light_(basis.l), clip_(clipFromRelative), farthest_(-1e300), margin_(margin) {
-    std::vector<glm::dvec2> points;
-    double extent = 0;
-    for (const glm::dvec3& p : body) {
-        const glm::dvec4 q = clip_ * glm::dvec4(p, 1);
-        points.emplace_back(glm::dvec2(q) / q.w);
-        farthest_ = std::max(farthest_, glm::dot(p, light_));
-        extent = std::max(extent, glm::length(p));
-    }
-    farthest_ += 1e-3 * extent;  // a bias may move receivers away from the sun
-    // Monotone chain (Andrew 1979).
-    std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-    const auto turnsRight = [&](const glm::dvec2& p) {
-        const glm::dvec2 a = hull_[hull_.size() - 2], b = hull_.back();
-        return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) <= 0;
-    };
-    for (int half = 0; half < 2; ++half) {
-        const size_t start = hull_.size();
-        for (const glm::dvec2& p : points) {
-            while (hull_.size() >= start + 2 && turnsRight(p)) hull_.pop_back();
-            hull_.push_back(p);
-        }
-        hull_.pop_back();
-        std::reverse(points.begin(), points.end());
-    }
-}
-
-bool CasterCull::keep(const base::DBox& box) const {
-    if (box.empty()) return false;
-    glm::dvec2 lo(1e300), hi(-1e300);
-    double nearest = 1e300;
-    int behind = 0;
-    for (int i = 0; i < 8; ++i) {
-        const glm::dvec3 p = box.corner(i);
-        const glm::dvec4 q = clip_ * glm::dvec4(p, 1);
-        nearest = std::min(nearest, glm::dot(p, light_));
-        if (q.w <= 0) {
-            ++behind;
-            continue;
-        }
-        lo = glm::min(lo, glm::dvec2(q) / q.w);
-        hi = glm::max(hi, glm::dvec2(q) / q.w);
-    }
-    // w is constant along the light and positive at receivers: a box behind a warp's centre of projection cannot
-    // reach them, one across it cannot be judged by its projection.
-    if (nearest > farthest_ || behind == 8) return false;
-    if (behind > 0) return true;
-    lo -= margin_;
-    hi += margin_;
-    // Separating axes of two convex polygons: the rectangle's two, then the hull's edges.
-    glm::dvec2 hullLo(1e300), hullHi(-1e300);
-    for (const glm::dvec2& p : hull_) {
-        hullLo = glm::min(hullLo, p);
-        hullHi = glm::max(hullHi, p);
-    }
-    if (lo.x > hullHi.x || hi.x < hullLo.x || lo.y > hullHi.y || hi.y < hullLo.y) return false;
-    for (size_t i = 0; i < hull_.size(); ++i) {
-        const glm::dvec2 a = hull_[i], edge = hull_[(i + 1) % hull_.size()] - a;
-        const glm::dvec2 outward(edge.y, -edge.x);
-        const glm::dvec2 innermost(outward.x > 0 ? lo.x : hi.x, outward.y > 0 ? lo.y : hi.y);
-        if (glm::dot(innermost - a, outward) > 0) return false;
-    }
-    return true;
 }
 
 }  // namespace dapple::shadow

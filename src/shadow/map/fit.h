@@ -40,20 +40,4 @@ LightFit fitLight(FitKind kind, const LightBasis& basis, const frame::Camera& ca
 /// 2006). `near` is raised to far · 1e-4, else the first logarithmic split swallows everything.
 std::vector<double> practicalSplits(double near, double far, int count, double lambda);
 
-/// Which casters can darken the body: their box, swept along the light, must meet it. Judged in the map's own window,
-/// because there a texel, and so a kernel's reach, has one size under a warp too.
-class CasterCull {
-public:
-    /// `margin`: reach of kernel and bias, in units of clip x and y (2 / size is a texel).
-    CasterCull(const LightBasis& basis, const glm::dmat4& clipFromRelative, const std::vector<glm::dvec3>& body, double margin);
-    bool keep(const base::DBox& relativeBox) const;
-
-private:
-    glm::dvec3 light_;
-    glm::dmat4 clip_;
-    std::vector<glm::dvec2> hull_;  // convex, counter-clockwise, clip x and y
-    double farthest_ = 0;           // metres: largest light depth of the body
-    double margin_;
-};
-
 }  // namespace dapple::shadow

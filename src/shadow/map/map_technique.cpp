@@ -2,12 +2,13 @@
 // split; fit.cpp for the fits).
 #include "shadow/families.h"
 
-#include "shadow/map/fit.h"
+#include "shadow/map/caster_cull.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 namespace dapple::shadow {
 namespace {
@@ -86,12 +87,11 @@ private:
     void fitCascades() {
         const frame::Camera& camera = frame_.camera();
         basis_ = lightBasis(frame_.light(), camera.forward);
-        base::DBox sceneBox, sceneBounds;
+        const base::DBox sceneBox = frame_.relativeSceneBox();
+        base::DBox sceneBounds;
         for (uint32_t i = 0; i < frame_.scene().instanceBoxes().size(); ++i) {
             const base::DBox box = frame_.relativeBox(i);
-            if (box.empty()) continue;
-            sceneBox.extend(box);
-            for (int corner = 0; corner < 8; ++corner) sceneBounds.extend(basis_.toLight(box.corner(corner)));
+            for (int corner = 0; corner < 8 && !box.empty(); ++corner) sceneBounds.extend(basis_.toLight(box.corner(corner)));
         }
         const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
         double near = camera.far, far = camera.near;
@@ -120,7 +120,7 @@ private:
         // The kernel reaches r + ½ texels; a normal offset moves the receiver by up to (2r + 1) times its scale.
         const double r = kernelRadius(settings_);
         const double reach = r + 1.5 + (settings_.at("bias") == "normal-offset" ? (2 * r + 1) * std::stod(settings_.at("bias-scale")) : 0);
-        const CasterCull cull(basis_, c.fit.clipFromRelative, c.body, reach * 2 / size_);
+        const CasterCull cull(basis_, frame_.camera(), c.body, reach * std::numbers::sqrt2 * c.fit.maxTexel);
         const bool all = settings_.at("cull") == "none";
         const auto keep = [&](uint32_t i) {
             return scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && (all || cull.keep(frame_.relativeBox(i)));
