@@ -15,14 +15,6 @@ uniform int uLayers;
 uniform float uSize;
 layout(location = 0) out vec2 oVisibility;
 
-#ifdef WARPED
-// Change of the map's normalised depth for a small world step from the point whose clip coordinates are q.
-float depthStep(mat4 clip, vec4 q, vec3 worldStep) {
-    vec4 d = clip * vec4(worldStep, 0.0);
-    return (d.z - q.z / q.w * d.w) / q.w;
-}
-#endif
-
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = texelFetch(uDepth, pixel, 0).r;
@@ -44,20 +36,22 @@ void main() {
     float facing = max(-dot(normal, uLight), 1e-4);
 #ifdef WARPED
     vec4 q = clip * vec4(p, 1.0);
-    vec2 ndc = q.xy / q.w;
-    // Jacobian of texels by metres along (u, v), inverted: the world steps of one texel.
-    vec4 du = clip * vec4(uBasisU, 0.0), dv = clip * vec4(uBasisV, 0.0);
-    vec2 a = (du.xy - ndc * du.w) * (0.5 * uSize / q.w), b = (dv.xy - ndc * dv.w) * (0.5 * uSize / q.w);
+    vec3 ndc = q.xyz / q.w;
+    // Columns: what a metre along u, v and the light changes in (x, y, z) after the division.
+    vec4 du = clip * vec4(uBasisU, 0.0), dv = clip * vec4(uBasisV, 0.0), dl = clip * vec4(uLight, 0.0);
+    vec3 perU = (du.xyz - ndc * du.w) / q.w, perV = (dv.xyz - ndc * dv.w) / q.w, perL = (dl.xyz - ndc * dl.w) / q.w;
+    // Inverse of texels by metres: the steps (metres along u, v) of one texel along the map's two axes.
+    vec2 a = perU.xy * (0.5 * uSize), b = perV.xy * (0.5 * uSize);
     float det = a.x * b.y - b.x * a.y;
-    vec3 Tu = (uBasisU * b.y - uBasisV * a.y) / det, Tv = (uBasisV * a.x - uBasisU * b.x) / det;
+    vec2 stepU = vec2(b.y, -a.y) / det, stepV = vec2(-b.x, a.x) / det;
+    float texel = max(length(stepU), length(stepV));
 
-    // Steps of one texel that stay on the receiver's plane, and how far they move the map's depth along the light.
-    float perMetre = (clip * vec4(uLight, 0.0)).z / q.w;
-    vec3 onU = Tu + uLight * (dot(normal, Tu) / facing), onV = Tv + uLight * (dot(normal, Tv) / facing);
-    vec2 slope = abs(vec2(depthStep(clip, q, onU), depthStep(clip, q, onV))) / perMetre;
-    vec2 flatSlope = abs(vec2(depthStep(clip, q, Tu), depthStep(clip, q, Tv))) / perMetre;
-
-    float texel = max(length(Tu), length(Tv));
+    // How far such a step moves the map's depth, in metres along the light: across the light, and on the receiver's
+    // plane, which it follows by going dot(normal, step) / facing along the light.
+    vec2 gradient = vec2(perU.z, perV.z) / perL.z;
+    vec2 flatStep = vec2(dot(gradient, stepU), dot(gradient, stepV));
+    vec2 tilt = vec2(dot(normal, uBasisU), dot(normal, uBasisV)) / facing;
+    vec2 slope = abs(flatStep + vec2(dot(tilt, stepU), dot(tilt, stepV))), flatSlope = abs(flatStep);
 #else  // an orthographic map has the same texel everywhere
     vec2 steps = uTexels[layer].xy, flatSlope = vec2(0.0);
     vec2 slope = abs(vec2(dot(normal, uBasisU), dot(normal, uBasisV))) * steps / facing;
