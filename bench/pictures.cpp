@@ -16,7 +16,7 @@ std::vector<std::string> renderPictures(const std::string& folder, Workbench& wo
     base::requireWritableFolder(folder);
     for (const PointSpec& spec : points) {
         if (spec.technique == "bare") continue;
-        std::string stem = fs::path(spec.scene).stem().string() + "_" + spec.technique;
+        std::string stem = fs::path(spec.scene).stem().string() + "_" + (spec.view.empty() ? "" : spec.view + "_") + spec.technique;
         if (const auto size = spec.settings.find("size"); size != spec.settings.end()) stem += "_" + size->second;
         for (const char* what : {"shaded", "error"}) {
             files.push_back((fs::path(folder) / (stem + "_" + what + ".png")).string());

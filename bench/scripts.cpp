@@ -28,14 +28,6 @@ void plotRun(const std::string& folder) {
     runScript({"/usr/bin/python3", (base::homeFolder() / "bench/report/plot.py").string(), folder}, "draw the plot");
 }
 
-std::string plotOf(const std::string& folder) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        if (entry.path().extension() == ".png" && (name.starts_with("work_precision_") || name == "stability.png")) return entry.path().string();
-    }
-    return folder;
-}
-
 void fetchRealScenes(const std::vector<std::string>& scenes) {
     for (const std::string& scene : scenes) {
         if (!scenegen::isRealScene(scene)) continue;

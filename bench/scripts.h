@@ -13,9 +13,6 @@ void plotRun(const std::string& folder);
 /// plotRun().
 void fetchRealScenes(const std::vector<std::string>& scenes);
 
-/// The work-precision diagram that plotRun() drew (.png); `folder` if there is none.
-std::string plotOf(const std::string& folder);
-
 /// Writes the relocatable archive with bench/bundle.sh. Throws as plotRun().
 void writeBundle(const std::string& file);
 

@@ -1,17 +1,13 @@
-#include "bench/run.h"
-
-#include "base/log.h"
 #include "bench/run_folder.h"
 #include "bench/scripts.h"
+#include "bench/summary.h"
 #include "bench/verbs/sweep_options.h"
 #include "bench/verbs/verbs.h"
-
-#include <fmt/format.h>
 
 namespace dapple::bench {
 
 void addRun(CLI::App& app) {
-    CLI::App* verb = app.add_subcommand("run", "Measure every point of a sweep and write the files of a run");
+    CLI::App* verb = app.add_subcommand("run", "Measure every point of a sweep, write its files, draw its plots and pictures");
     auto options = std::make_shared<SweepOptions>();
     auto run = std::make_shared<RunOptions>();
     options->addTo(*verb);
@@ -26,8 +22,7 @@ void addRun(CLI::App& app) {
         fetchRealScenes(sweep.scenes);
         const auto workbench = makeWorkbench(app);
         const Plan plan = makePlan(sweep, *workbench, filter);
-        requireClean(runPlan(plan, *workbench, *run), run->folder);
-        base::logInfo(fmt::format("wrote {0}/metrics.csv; draw it with: dapple plot {0}", run->folder));
+        summarise(run->folder, sweep, plan, *workbench, runPlan(plan, *workbench, *run));
     });
 }
 

@@ -86,7 +86,8 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(len(planned), 2)
         out = self.folder / "out"
         run = dapple("run", self.sweep, "-o", out)
-        self.assertEqual((run.returncode, run.stdout), (0, ""), run.stderr)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn(f"{out}/metrics.csv\n", run.stdout)
         self.assertEqual((out / "plan.csv").read_text(), plan.stdout)
         with open(out / "metrics.csv", newline="") as file:
             self.assertEqual({row["point_id"] for row in csv.DictReader(file)}, set(planned))

@@ -1,0 +1,67 @@
+#include "bench/summary.h"
+
+#include "base/error.h"
+#include "base/log.h"
+#include "bench/best_points.h"
+#include "bench/pictures.h"
+#include "bench/scripts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace dapple::bench {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr size_t kBest = 5;
+constexpr const char* kPictures = "pictures";
+
+const PlannedPoint* planned(const Plan& plan, const std::string& id) {
+    const auto found = std::find_if(plan.points.begin(), plan.points.end(), [&](const PlannedPoint& p) { return p.id == id; });
+    return found == plan.points.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, Workbench& workbench, const RunOutcome& outcome) {
+    const std::vector<MeasuredPoint> measured = measuredPoints(fs::path(folder) / "metrics.csv");
+    std::vector<PointSpec> pictured;
+    std::string tables;
+    for (const std::string& scene : sweep.scenes) {
+        // A stiff case is there to be survived, not to be best.
+        std::vector<MeasuredPoint> points;
+        std::copy_if(measured.begin(), measured.end(), std::back_inserter(points), [&](const MeasuredPoint& p) {
+            const PlannedPoint* point = planned(plan, p.pointId);
+            return point && point->spec.scene == scene && point->spec.stressCase.empty();
+        });
+        if (points.empty()) continue;
+        const std::vector<MeasuredPoint> best = bestPoints(points, kBest);
+        for (const MeasuredPoint& p : best) pictured.push_back(planned(plan, p.pointId)->spec);
+        tables += fmt::format("\nThe best of {} points on {}, fastest first:\n{}", points.size(), scene, bestPointsTable(best, plan));
+    }
+    const fs::path pictures = fs::path(folder) / kPictures;
+    const bool drawn = !pictured.empty() && !renderPictures(pictures.string(), workbench, pictured).empty();
+    fmt::print("{}\n\n{}/metrics.csv\n{}", sweep.question, folder, drawn ? pictures.string() + "\n" : "");
+    std::fflush(stdout);  // the script prints the names of the plots and the table behind it
+    try {
+        plotRun(folder);
+    } catch (const base::Error& error) {
+        base::logWarning(fmt::format("no plot: {}; draw it elsewhere with: dapple plot {}", error.what(), folder));
+    }
+    fmt::print("{}", tables);
+    requireClean(outcome, folder);
+}
+
+void removeSummary(const std::string& folder) {
+    fs::remove_all(fs::path(folder) / kPictures);
+    if (!fs::is_directory(folder)) return;
+    for (const fs::directory_entry& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {})) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with("work_precision_") || name == "table.csv" || name == "table.md") fs::remove(entry.path());
+    }
+}
+
+}  // namespace dapple::bench
