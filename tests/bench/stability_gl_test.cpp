@@ -153,7 +153,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, EveryMap, testing::Values("uniform", "focused
 TEST(LeftOut, BackFacesOfSingleSidedMaterialsAreNotMissed) {
     workbench();  // its context is current
     scenegen::Scene scene = scenegen::loadScene("forest-small");
-    std::vector<float> visibility[2];
+    std::vector<float> visibility[2], depth[2];
     std::vector<uint8_t> picture[2];
     for (int twoSided = 0; twoSided < 2; ++twoSided) {
         for (scenegen::Material& material : scene.materials) material.doubleSided |= twoSided == 1;
@@ -164,14 +164,21 @@ TEST(LeftOut, BackFacesOfSingleSidedMaterialsAreNotMissed) {
         renderer.render(silent);
         visibility[twoSided] = renderer.visibility();
         picture[twoSided] = frame.readShaded().texels;
+        depth[twoSided] = frame.readChannel(frame.depth()).texels;
     }
-    // Not bit-exact: 1 and 2 of 19,200 pixels differ on llvmpipe, presumably thin twigs whose back ties with their
-    // front in depth, so that the first one drawn wins. The cause has not been traced.
-    size_t otherVisibility = 0, otherColour = 0;
-    for (size_t i = 0; i < visibility[0].size(); ++i) otherVisibility += visibility[0][i] != visibility[1][i];
-    for (size_t i = 0; i < picture[0].size(); i += 3) otherColour += !std::equal(&picture[0][i], &picture[0][i] + 3, &picture[1][i]);
-    EXPECT_LE(otherVisibility, 6u);
-    EXPECT_LE(otherColour, 6u);
+    // Not bit-exact: vertices snap to 1/256 pixel, so where a twig is thinner than a pixel its back can come out nearer
+    // than its front, by less than its thickness. There the other face is drawn, and nowhere else.
+    size_t other = 0;
+    for (size_t i = 0; i < visibility[0].size(); ++i) {
+        if (depth[0][i] != depth[1][i]) {
+            ++other;
+            EXPECT_NEAR(depth[0][i] / depth[1][i], 1, 1e-4) << i;  // eye depth is proportional to 1 / depth
+            continue;
+        }
+        EXPECT_EQ(visibility[0][i], visibility[1][i]) << i;
+        EXPECT_TRUE(std::equal(&picture[0][3 * i], &picture[0][3 * i] + 3, &picture[1][3 * i])) << i;
+    }
+    EXPECT_LE(other, 6u);
 }
 
 TEST(LeftOut, CachedMapsAreTheRegeneratedOnes) {
