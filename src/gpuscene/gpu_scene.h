@@ -14,7 +14,7 @@ struct GpuMesh {
     int32_t baseVertex = 0;
     uint32_t material = 0;
     bool alphaTested = false;
-    bool cullBack = false;  ///< single-sided material, hence a closed mesh: faces that look away never change a pixel
+    bool cullBack = false;  ///< single-sided material, hence a closed mesh: see Faces
 };
 
 struct GpuPrototype {
@@ -50,7 +50,7 @@ struct DrawList {
 enum class Bucket { opaque, alphaTested };
 /// Which vertex attributes it reads beside the position.
 enum class Attributes { position, positionUv, positionNormal, all };
-/// Which faces of closed meshes it rasterises: those that look away never change a pixel.
+/// Which faces of closed meshes it rasterises: those that look away change a pixel only where the near plane cuts the mesh.
 enum class Faces { front, both };
 
 struct DrawCount {
