@@ -50,7 +50,6 @@ struct Skeleton {
 };
 
 /// Weber and Penn (1995), sections 4.1-4.8. The same species and seed give the same bits everywhere.
-/// Not offered: the pruning envelope, helical stems (negative CurveV), wind.
 Skeleton growSkeleton(const Species& species, uint64_t seed);
 
 /// Takes every second ring away, and moves what grows on a stem along with its surface.
