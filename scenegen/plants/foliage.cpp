@@ -76,11 +76,11 @@ glm::dvec3 outward(const glm::dvec3& p) {
 }
 
 /// Leaf k of n at a site.
-Blade placeBlade(const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t k, size_t n, double growth, base::Random& random) {
+Blade placeBlade(const LeafParameters& p, const LeafSite& site, StemAxis& axis, LeafMode mode, size_t k, size_t n, double growth, base::Random& random) {
     const bool card = mode == LeafMode::card;
     const double share = (double(k) + random.next(0.2f, 0.8f)) / double(n);
-    StemPoint at = site.stem->at(site.begin + (site.end - site.begin) * share);
-    if (site.missingTwig) at.frame = site.missingTwig->rings.front().frame;
+    const double offset = site.begin + (site.end - site.begin) * share;
+    const StemPoint at = site.missingTwig ? StemPoint{axis.centre(offset), site.missingTwig->rings.front().frame, 0} : axis.at(offset);
     // Two rows (rotate < 0) or a helix, like the stems themselves.
     const double turn = p.rotate < 0 ? (k % 2 ? 90 : -90) : p.rotate * double(k);
     const double downAngle = card ? p.cardDownAngle : p.downAngle;
@@ -160,8 +160,9 @@ Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMo
         share += site.leaves;
         const size_t upTo = &site == &sites.back() ? count : std::min(count, size_t(share / available * double(count) + 0.5));
         base::Random random(seed, site.twig, kLeafPurpose);
+        StemAxis axis(*site.stem);
         for (size_t k = 0, n = upTo - placed; k < n; ++k) {
-            const Blade blade = placeBlade(species.leaves, site, mode, k, n, growth, random);
+            const Blade blade = placeBlade(species.leaves, site, axis, mode, k, n, growth, random);
             switch (mode) {
                 case LeafMode::polygon: setQuad(mesh, placed + k, leafOutline(blade)); break;
                 case LeafMode::card: setCard(mesh, placed + k, blade); break;

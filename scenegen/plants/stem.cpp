@@ -25,20 +25,37 @@ glm::dvec3 Stem::cageCentre(size_t i) const {
     return r.centre;
 }
 
-StemPoint Stem::at(double offset) const {
+StemPoint Stem::at(double offset) const { return StemAxis(*this).at(offset); }
+
+StemAxis::StemAxis(const Stem& stem) : stem_(&stem), segment_(stem.rings.size()) {}
+
+double StemAxis::enter(double offset) {
+    const std::vector<Ring>& rings = stem_->rings;
     const size_t last = rings.size() - 1;
     size_t i = 0;
     while (i + 1 < last && rings[i + 1].offset <= offset) ++i;
-    const Ring &ra = rings[i], &rb = rings[i + 1];
-    const double t = std::clamp((offset - ra.offset) / (rb.offset - ra.offset), 0.0, 1.0), s = 1 - t;
-    const glm::dvec3 a = cageCentre(i), b = cageCentre(i + 1);
-    // Past a cap the cage has no ring; its valence-3 vertices act like one half a segment inwards.
-    const glm::dvec3 before = i > 0 ? cageCentre(i - 1) : 0.5 * (a + b);
-    const glm::dvec3 after = i + 2 <= last ? cageCentre(i + 2) : 0.5 * (a + b);
+    if (i != segment_) {
+        segment_ = i;
+        a_ = stem_->cageCentre(i), b_ = stem_->cageCentre(i + 1);
+        // Past a cap the cage has no ring; its valence-3 vertices act like one half a segment inwards.
+        before_ = i > 0 ? stem_->cageCentre(i - 1) : 0.5 * (a_ + b_);
+        after_ = i + 2 <= last ? stem_->cageCentre(i + 2) : 0.5 * (a_ + b_);
+    }
+    return std::clamp((offset - rings[i].offset) / (rings[i + 1].offset - rings[i].offset), 0.0, 1.0);
+}
+
+glm::dvec3 StemAxis::centre(double offset) {
+    const double t = enter(offset), s = 1 - t;
     double w0 = s * s * s / 6, w1 = 2.0 / 3 - t * t * (1 - 0.5 * t), w2 = 2.0 / 3 - s * s * (1 - 0.5 * s), w3 = t * t * t / 6;
-    if (faceted) w0 = s / 6, w1 = (4 * s + t) / 6, w2 = (s + 4 * t) / 6, w3 = t / 6;
+    if (stem_->faceted) w0 = s / 6, w1 = (4 * s + t) / 6, w2 = (s + 4 * t) / 6, w3 = t / 6;
+    return before_ * w0 + a_ * w1 + b_ * w2 + after_ * w3;
+}
+
+StemPoint StemAxis::at(double offset) {
+    const double t = enter(offset), s = 1 - t;
+    const Ring &ra = stem_->rings[segment_], &rb = stem_->rings[segment_ + 1];
     const glm::dvec3 z = glm::normalize(ra.frame[2] * s + rb.frame[2] * t);
-    return {before * w0 + a * w1 + b * w2 + after * w3, frameAlong(z, ra.frame[0]), ra.radius * s + rb.radius * t};
+    return {centre(offset), frameAlong(z, ra.frame[0]), ra.radius * s + rb.radius * t};
 }
 
 void thinRings(Skeleton& skeleton) {
