@@ -4,6 +4,7 @@
 #include "base/random.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dapple::scenegen {
@@ -75,32 +76,71 @@ glm::dvec3 outward(const glm::dvec3& p) {
     return distance > 1e-6 ? glm::dvec3(p.x / distance, p.y / distance, 0) : glm::dvec3(0);
 }
 
+/// What chance and the parameters give to a leaf before its twig is looked at.
+struct Draw {
+    double share;          ///< place on the site, 0…1
+    double spin, down;     ///< radians, about the twig and away from it
+    glm::dvec3 chance;     ///< of the blade's side
+    double length;         ///< metres
+    det::SinCos spinSinCos, downSinCos;
+};
+
 /// Leaf k of n at a site.
-Blade placeBlade(const LeafParameters& p, const LeafSite& site, StemAxis& axis, LeafMode mode, size_t k, size_t n, double growth, base::Random& random) {
+Draw drawLeaf(const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t k, size_t n, double growth, base::Random& random) {
     const bool card = mode == LeafMode::card;
-    const double share = (double(k) + random.next(0.2f, 0.8f)) / double(n);
-    const double offset = site.begin + (site.end - site.begin) * share;
-    const StemPoint at = site.missingTwig ? StemPoint{axis.centre(offset), site.missingTwig->rings.front().frame, 0} : axis.at(offset);
+    Draw d;
+    d.share = (double(k) + random.next(0.2f, 0.8f)) / double(n);
     // Two rows (rotate < 0) or a helix, like the stems themselves.
     const double turn = p.rotate < 0 ? (k % 2 ? 90 : -90) : p.rotate * double(k);
     const double downAngle = card ? p.cardDownAngle : p.downAngle;
     // Towards the tip leaves close up: the last one goes on where the twig ends.
-    const double down = std::max(0.0, downAngle * (1.15 - 0.6 * share) + p.downAngleV * random.next(-1, 1)) * det::kDegree;
-    const double spin = (turn + p.rotateV * random.next(-1, 1)) * det::kDegree;
-    const auto [ss, cs] = det::sinCos(spin);
-    const auto [sd, cd] = det::sinCos(down);
-    const glm::dvec3 out = at.frame[0] * cs + at.frame[1] * ss;
-    const glm::dvec3 along = glm::normalize(at.frame[2] * cd + out * sd);
+    d.down = std::max(0.0, downAngle * (1.15 - 0.6 * d.share) + p.downAngleV * random.next(-1, 1)) * det::kDegree;
+    d.spin = (turn + p.rotateV * random.next(-1, 1)) * det::kDegree;
+    d.chance = {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)};  // braces: drawn in this order
+    d.length = (card ? p.cardScale : p.scale) * site.size * growth * (1 + 0.2 * random.next(-1, 1)) * (1 + (p.tipScale - 1) * d.share);
+    return d;
+}
 
-    const glm::dvec3 chance{random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)};  // braces: drawn in this order
-    glm::dvec3 wanted = chance * (1 - p.flat) + glm::dvec3(0, 0, 1) * p.flat + 0.2 * out;
+Blade placeBlade(const LeafParameters& p, LeafMode mode, const Draw& d, const StemPoint& at) {
+    const glm::dvec3 out = at.frame[0] * d.spinSinCos.cos + at.frame[1] * d.spinSinCos.sin;
+    const glm::dvec3 along = glm::normalize(at.frame[2] * d.downSinCos.cos + out * d.downSinCos.sin);
+    glm::dvec3 wanted = d.chance * (1 - p.flat) + glm::dvec3(0, 0, 1) * p.flat + 0.2 * out;
     if (p.bend > 0) wanted += p.bend * outward(at.centre);
     wanted -= along * glm::dot(wanted, along);
     if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[1] - along * glm::dot(at.frame[1], along);
     if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[0] - along * glm::dot(at.frame[0], along);
     const glm::dvec3 normal = glm::normalize(wanted);
-    const double length = (card ? p.cardScale : p.scale) * site.size * growth * (1 + 0.2 * random.next(-1, 1)) * (1 + (p.tipScale - 1) * share);
-    return {at.centre, along, glm::cross(along, normal), normal, length, length * (card ? p.cardScaleX : p.scaleX)};
+    return {at.centre, along, glm::cross(along, normal), normal, d.length, d.length * (mode == LeafMode::card ? p.cardScaleX : p.scaleX)};
+}
+
+void setBlade(Mesh& mesh, LeafMode mode, size_t at, const Blade& blade) {
+    switch (mode) {
+        case LeafMode::polygon: return setQuad(mesh, at, leafOutline(blade));
+        case LeafMode::card: return setCard(mesh, at, blade);
+        case LeafMode::solid: return setSolid(mesh, at, blade);
+    }
+}
+
+/// Leaves 0 … n - 1 of a site, as blades first … first + n - 1 of the mesh. A leaf is one long chain of roots and
+/// quotients that wait for each other; taken step by step for many leaves, the processor works on several at once.
+void growSite(Mesh& mesh, const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t first, size_t n, double growth, base::Random random) {
+    constexpr size_t kBatch = 32;
+    std::array<Draw, kBatch> draws;
+    std::array<StemPoint, kBatch> points;
+    StemAxis axis(*site.stem);
+    for (size_t begin = 0; begin < n; begin += kBatch) {
+        const size_t count = std::min(kBatch, n - begin);
+        for (size_t i = 0; i < count; ++i) draws[i] = drawLeaf(p, site, mode, begin + i, n, growth, random);
+        for (size_t i = 0; i < count; ++i) {
+            draws[i].spinSinCos = det::sinCos(draws[i].spin);
+            draws[i].downSinCos = det::sinCos(draws[i].down);
+        }
+        for (size_t i = 0; i < count; ++i) {
+            const double offset = site.begin + (site.end - site.begin) * draws[i].share;
+            points[i] = site.missingTwig ? StemPoint{axis.centre(offset), site.missingTwig->rings.front().frame, 0} : axis.at(offset);
+        }
+        for (size_t i = 0; i < count; ++i) setBlade(mesh, mode, first + begin + i, placeBlade(p, mode, draws[i], points[i]));
+    }
 }
 
 }  // namespace
@@ -159,16 +199,7 @@ Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMo
     for (const LeafSite& site : sites) {
         share += site.leaves;
         const size_t upTo = &site == &sites.back() ? count : std::min(count, size_t(share / available * double(count) + 0.5));
-        base::Random random(seed, site.twig, kLeafPurpose);
-        StemAxis axis(*site.stem);
-        for (size_t k = 0, n = upTo - placed; k < n; ++k) {
-            const Blade blade = placeBlade(species.leaves, site, axis, mode, k, n, growth, random);
-            switch (mode) {
-                case LeafMode::polygon: setQuad(mesh, placed + k, leafOutline(blade)); break;
-                case LeafMode::card: setCard(mesh, placed + k, blade); break;
-                case LeafMode::solid: setSolid(mesh, placed + k, blade); break;
-            }
-        }
+        growSite(mesh, species.leaves, site, mode, placed, upTo - placed, growth, base::Random(seed, site.twig, kLeafPurpose));
         placed = upTo;
     }
     return mesh;
