@@ -31,8 +31,10 @@ struct SpeciesEntry {
     int individuals = 1;
     size_t triangles = 0;
     LeafMode leaves = LeafMode::polygon;
-    double lod = 1;
+    int lod = 0;
+    double keep = 1;
     glm::dvec2 scale{1};
+    std::optional<glm::dvec2> position;  ///< of its one tree, which is not scattered
 };
 
 struct PathEntry {
@@ -199,9 +201,17 @@ private:
             e.individuals = int(t.integer("individuals", 1, 1, 1000));
             e.triangles = size_t(t.integer("triangles", 0, 0, 10'000'000));
             const std::string leaves = t.text("leaves", "polygon");
-            if (leaves != "polygon" && leaves != "card") t.fail("leaves", fmt::format("'{}' is none of polygon, card", leaves));
-            e.leaves = leaves == "card" ? LeafMode::card : LeafMode::polygon;
-            e.lod = t.number("lod", 1, 0.001, 1);
+            if (leaves != "polygon" && leaves != "card" && leaves != "solid") t.fail("leaves", fmt::format("'{}' is none of polygon, card, solid", leaves));
+            e.leaves = leaves == "card" ? LeafMode::card : leaves == "solid" ? LeafMode::solid : LeafMode::polygon;
+            if (t.has("lod")) {
+                e.lod = int(t.integer("lod", 0, 0, kLods - 1));
+                if (!t.has("triangles")) e.triangles = e.species.triangles[size_t(e.lod)];
+            }
+            e.keep = t.number("keep", 1, 0.001, 1);
+            if (t.has("position")) {
+                const std::vector<double> p = t.numbers("position", 2);
+                e.position = {p[0], p[1]};
+            }
             if (t.has("scale")) {
                 const std::vector<double> s = t.numbers("scale", 2);
                 if (!(s[0] > 0 && s[1] >= s[0])) t.fail("scale", "must be [lo, hi] with 0 < lo ≤ hi");
@@ -212,8 +222,9 @@ private:
         }
         if (species_.empty()) return;
         if (!ground_) t_.fail("species", "trees need a [ground] to stand on");
-        if (!t_.has("trees")) t_.fail("trees", "is required with [[species]]");
-        trees_ = size_t(t_.integer("trees", 0, 1, 100'000'000));
+        const bool scattered = std::any_of(species_.begin(), species_.end(), [](const auto& s) { return !s.first.position; });
+        if (scattered && !t_.has("trees")) t_.fail("trees", "is required with [[species]] that have no position");
+        if (scattered) trees_ = size_t(t_.integer("trees", 0, 1, 100'000'000));
         spacing_ = t_.number("spacing", 1, 0, 100);
     }
 
@@ -232,7 +243,7 @@ private:
         for (int i = 0; i < e.individuals; ++i) {
             Tree tree;
             try {
-                tree = growTree(s, {base::mix64(seed_ + uint64_t(i)), e.triangles, e.leaves});
+                tree = growTree(s, {base::mix64(seed_ + uint64_t(i)), e.triangles, e.leaves, e.lod});
             } catch (const base::Error& error) {
                 line.fail("triangles", error.what());
             }
@@ -240,7 +251,7 @@ private:
             tree.leaves.material = leaves;
             Prototype prototype{e.individuals == 1 ? s.name : fmt::format("{} {}", s.name, i), {std::move(tree.bark), std::move(tree.leaves)}, true, false};
             std::erase_if(prototype.meshes, [](const Mesh& m) { return m.indices.empty(); });
-            prototype = decimate(prototype, e.lod);
+            prototype = decimate(prototype, e.keep);
             prototype.closed = isClosed(prototype);
             prototypes_.back().push_back(uint32_t(scene_.prototypes.size()));
             scene_.prototypes.push_back(std::move(prototype));
@@ -248,8 +259,11 @@ private:
     }
 
     void placeTrees() {
+        for (size_t k = 0; k < species_.size(); ++k)
+            if (const std::optional<glm::dvec2> p = species_[k].first.position)
+                scene_.instances.push_back({.translation = glm::vec3(p->x, p->y, ground_->height(p->x, p->y)), .prototype = prototypes_[k][0]});
         double shares = 0;
-        for (const auto& [entry, line] : species_) shares += entry.share;
+        for (const auto& [entry, line] : species_) shares += entry.position ? 0 : entry.share;
         std::vector<double> due(species_.size(), 0), radii;
         std::vector<Instance> trees;
         std::vector<double> crownRadius(scene_.prototypes.size());
@@ -259,7 +273,7 @@ private:
         }
         for (size_t i = 0; i < trees_; ++i) {
             // Largest remainder: after n trees every species has its share to within one tree.
-            for (size_t k = 0; k < due.size(); ++k) due[k] += species_[k].first.share / shares;
+            for (size_t k = 0; k < due.size(); ++k) due[k] += species_[k].first.position ? -1 : species_[k].first.share / shares;
             const auto k = size_t(std::max_element(due.begin(), due.end()) - due.begin());
             due[k] -= 1;
             base::Random random(seed_, i, kPlacementPurpose);

@@ -17,7 +17,9 @@ namespace dapple::scenegen {
 ///     spacing = 1.0                # crown radii that a tree keeps to its neighbours, where there is room
 ///     [sun]         azimuth, elevation (degrees)
 ///     [ground]      size (m), undulation (m), cells, albedo; no table: no ground
-///     [[species]]   name, share, individuals, triangles, leaves = "polygon" | "card", lod, scale = [lo, hi]
+///     [[species]]   name, share, individuals, leaves = "polygon" | "card" | "solid", scale = [lo, hi],
+///                   triangles (budget; solid leaves count as polygons), lod = 0 | 1 | 2 (sets the species' own budget),
+///                   keep (share that decimation leaves), position = [x, y] (one tree, which is not scattered)
 ///     [[primitive]] kind = "box" | "sphere" | "slab", position (centre), size (box, slab) or radius (sphere), albedo
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far

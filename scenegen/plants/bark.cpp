@@ -10,7 +10,10 @@
 namespace dapple::scenegen {
 namespace {
 
-constexpr int kCoarsest = 3;
+/// At each level of detail: steps of coarsening (from the third on, each halves the rings), and the share of the twigs
+/// for whose sake other stems are coarsened.
+constexpr int kCoarsest[kLods] = {3, 4, 5};
+constexpr double kTwigShare[kLods] = {0.5, 0.2, 0};
 
 /// Share of a scarce budget that stems other than twigs may use.
 constexpr double kWoodShare = 0.92;
@@ -22,7 +25,8 @@ struct Cage {
 
 Cage cageOf(const Species& species, const Stem& stem, int coarser) {
     const LevelParameters& p = species.levels[size_t(stem.level)];
-    return {coarser >= 2 ? std::max(4, p.sides / 4 * 2) : p.sides, int(stem.rings.size()), std::max(0, p.refine - coarser)};
+    const int sides = coarser >= 4 ? 4 : coarser >= 2 ? std::max(4, p.sides / 4 * 2) : p.sides;
+    return {sides, int(stem.rings.size()), std::max(0, p.refine - coarser)};
 }
 
 /// Keeps share/of of the stems for which `candidate` holds, evenly, and of the others those whose parent is kept.
@@ -70,7 +74,7 @@ void writeControls(const Stem& stem, const Polygon& polygon, size_t lane, float*
 
 }  // namespace
 
-BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget) {
+BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget, int lod) {
     const int twigLevel = int(species.levels.size()) - 1;
     const auto isTwig = [&](const Stem& s) { return s.level == twigLevel; };
     const auto isLimb = [&](const Stem& s) { return s.level > 0 && s.level < twigLevel; };
@@ -85,12 +89,13 @@ BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget) {
     };
     count();
     if (budget > 0) {
-        while (coarser < kCoarsest && trunks + limbs + twigs / 2 > budget) {
-            if (++coarser == kCoarsest) thinRings(skeleton);
+        const auto tooMany = [&] { return trunks + limbs + size_t(kTwigShare[lod] * double(twigs)) > budget; };
+        while (coarser < kCoarsest[lod] && tooMany()) {
+            if (++coarser >= 3) thinRings(skeleton);
             count();
         }
         const auto wood = size_t(kWoodShare * double(budget));
-        if (trunks + limbs + twigs / 2 > budget && trunks + limbs > wood) {
+        if (tooMany() && trunks + limbs > wood) {
             kept = thin(skeleton, kept, wood > trunks ? wood - trunks : 0, std::max<size_t>(limbs, 1), isLimb);
             count();
         }

@@ -15,9 +15,9 @@ struct BarkPlan {
 };
 
 /// The finest plan of at most `budget` triangles (0 = no limit). Less budget means, in this order: half of the twigs,
-/// levels of subdivision, sides, rings (thinned in `skeleton`), limbs. Trunks always stay, so `triangles` can exceed
-/// a budget that is too small for them.
-BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget);
+/// levels of subdivision, sides, rings (thinned in `skeleton`), limbs. Coarser levels of detail give up twigs sooner
+/// and thin rings further. Trunks always stay, so `triangles` can exceed a budget that is too small for them.
+BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget, int lod = 0);
 
 /// One closed, oriented tube per kept stem, on the limit surface, in kLanes at a time.
 Mesh buildBark(const Species& species, const Skeleton& skeleton, const BarkPlan& plan);

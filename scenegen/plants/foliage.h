@@ -5,21 +5,39 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace dapple::scenegen {
 
 enum class LeafMode {
     polygon,  ///< each leaf is two triangles folded along its midrib; opaque, open
     card,     ///< alpha-tested quads, each a cluster of leaves
+    solid,    ///< the polygon's leaf with a thickness: eight triangles, closed, so that the whole tree is
 };
 
-/// Leaves (cards: clusters) that Weber and Penn's parameters give to a tree of which the stems `kept` are meshed.
-size_t naturalLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode);
+/// Triangles of one leaf or card.
+constexpr size_t leafTriangles(LeafMode mode) { return mode == LeafMode::solid ? 8 : 2; }
 
-/// `count` leaves or cards of two triangles each, each rooted on the axis of its twig or, where the mesh leaves the
-/// twig out, of its parent. Fewer than natural are larger, more are smaller, so that the foliage keeps its area.
-Mesh buildLeaves(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode,
-                 size_t count, uint64_t seed);
+/// Where the leaves of one twig grow: on the twig, or, where the mesh leaves it out, on its parent where it began.
+struct LeafSite {
+    uint32_t twig;            ///< index of the stem
+    const Stem* stem;         ///< that they grow on
+    const Stem* missingTwig;  ///< whose direction the leaves keep; null when `stem` is the twig
+    double begin, end;        ///< offsets on `stem`, metres
+    double leaves;            ///< (cards: clusters) that the parameters ask for
+    double size;              ///< of its leaves, relative
+};
+
+/// Sites that Weber and Penn's parameters give to a tree of which the stems `kept` are meshed; they point into
+/// `skeleton`. `floating`: leaves stay where an unmeshed twig would be, which nobody sees from afar.
+std::vector<LeafSite> leafSites(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode, bool floating);
+
+size_t naturalLeaves(std::span<const LeafSite> sites);
+
+/// `count` leaves or cards, each rooted on the axis of its site's stem. Fewer than natural are larger (up to
+/// `maxGrowth` times), more are smaller, so that the foliage keeps its area. Polygon and solid leaves have the same
+/// places and outlines.
+Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMode mode, size_t count, double maxGrowth, uint64_t seed);
 
 /// A drawn cluster of leaves or spray of needles with alpha, for the cards; its foot is in the middle of the lower edge.
 /// Colours are relative: the material's albedo multiplies them.

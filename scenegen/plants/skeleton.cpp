@@ -1,7 +1,7 @@
 #include "scenegen/plants/skeleton.h"
 
-#include "base/detmath.h"
 #include "base/random.h"
+#include "scenegen/plants/frames.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,29 +18,11 @@ enum Purpose : uint64_t { kCurve = 1, kSplit, kChildren };
 constexpr double kTipRadius = 0.15;
 constexpr double kMinRadius = 0.0012;
 
-glm::dmat3 rotateX(const glm::dmat3& f, double degrees) {
-    const auto [s, c] = det::sinCos(degrees * det::kDegree);
-    return {f[0], f[1] * c + f[2] * s, f[2] * c - f[1] * s};
-}
+/// Degrees of a helix per segment: the paper gives its declination only, and four segments a turn still read as one.
+constexpr double kHelixTurn = 90;
 
-glm::dmat3 rotateZ(const glm::dmat3& f, double degrees) {
-    const auto [s, c] = det::sinCos(degrees * det::kDegree);
-    return {f[0] * c + f[1] * s, f[1] * c - f[0] * s, f[2]};
-}
-
-/// Turns all columns about the world's vertical.
-glm::dmat3 turnAboutVertical(const glm::dmat3& f, double degrees) {
-    const auto [s, c] = det::sinCos(degrees * det::kDegree);
-    glm::dmat3 r;
-    for (int i = 0; i < 3; ++i) r[i] = {c * f[i].x - s * f[i].y, s * f[i].x + c * f[i].y, f[i].z};
-    return r;
-}
-
-/// Frame with the given z column whose x column is nearest to `x`.
-glm::dmat3 frameAlong(const glm::dvec3& z, const glm::dvec3& x) {
-    const glm::dvec3 across = glm::normalize(x - z * glm::dot(x, z));
-    return {across, glm::cross(z, across), z};
-}
+/// A stem that pruning would cut below this share of its length is left out.
+constexpr double kShortest = 0.1;
 
 double declination(const glm::dmat3& f) { return det::acos(f[2].z) / det::kDegree; }
 
@@ -54,18 +36,6 @@ double taperedRadius(double taper, double radius, double length, double z) {
     const double local = taper < 2 ? toEnd : std::abs(toEnd - 2 * cone * std::floor(toEnd / (2 * cone) + 0.5));
     if (taper < 2 && local >= cone) return cone;
     return (1 - depth) * cone + depth * std::sqrt(std::max(0.0, cone * cone - (local - cone) * (local - cone)));
-}
-
-/// Frames from the mean of the neighbouring directions, parallel-transported, so that the cage does not twist.
-void orientRings(std::vector<Ring>& r) {
-    const size_t last = r.size() - 1;
-    glm::dvec3 across = r[0].frame[0];
-    for (size_t i = 0; i <= last; ++i) {
-        const glm::dvec3 along = glm::normalize(r[std::min(i + 1, last)].centre - r[i == 0 ? 0 : i - 1].centre);
-        if (std::abs(glm::dot(across, along)) > 0.99) across = r[i].frame[1];
-        r[i].frame = frameAlong(along, across);
-        across = r[i].frame[0];
-    }
 }
 
 struct Fork {
@@ -83,11 +53,14 @@ public:
         const double scale = species_.scale + species_.scaleV * random.next(-1, 1);
         const LevelParameters& trunk = species_.levels[0];
         Stem stem;
+        height_ = scale;
         stem.length = scale * (trunk.length + trunk.lengthV * random.next(-1, 1));
         stem.radius = stem.length * species_.ratio;
         stem.crown = species_.baseSize * stem.length;
         stem.bury = 0.02 * stem.length;
-        growStem(stem, rotateZ(glm::dmat3(1), 360 * random.next()), glm::dvec3(0), 0, 0);
+        const double turn = 360 * random.next();
+        trunkLength_ = stem.length;
+        growStem(std::move(stem), rotateZ(glm::dmat3(1), turn), glm::dvec3(0), 0, 0);
         return std::move(skeleton_);
     }
 
@@ -101,23 +74,85 @@ private:
     }
 
     /// `stem` has everything but rings. `frame` and `position` hold where `segment` of its segments end.
-    void growStem(Stem stem, glm::dmat3 frame, glm::dvec3 position, int segment, double correction) {
-        const LevelParameters& p = species_.levels[size_t(stem.level)];
+    void growStem(Stem stem, const glm::dmat3& frame, const glm::dvec3& position, int segment, double correction) {
         const auto id = int(skeleton_.stems.size());
+        std::vector<Fork> forks;
+        if (!shapeWithinEnvelope(stem, id, frame, position, segment, correction, forks)) return;
+        skeleton_.stems.emplace_back();  // its place, before those of its forks and children
+        const LevelParameters& p = species_.levels[size_t(stem.level)];
+        for (const Fork& f : forks) {
+            Stem clone = stem;
+            clone.rings.clear();
+            clone.parent = id;
+            clone.start = clone.parentOffset = f.segment * (stem.length / p.curveRes);
+            clone.bury = 0;
+            growStem(std::move(clone), f.frame, stem.at(f.segment * (stem.length / p.curveRes)).centre, f.segment, f.correction);
+        }
+        if (size_t(stem.level) + 1 < species_.levels.size()) growChildren(stem, id);
+        skeleton_.stems[size_t(id)] = std::move(stem);
+    }
+
+    /// Section 4.6: false if nothing of the stem fits into the pruning envelope.
+    bool shapeWithinEnvelope(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& position, int segment, double correction, std::vector<Fork>& forks) {
+        const double whole = stem.length, fork = splitError_[size_t(stem.level)];
+        const auto shapeAt = [&](double length) {
+            splitError_[size_t(stem.level)] = fork;
+            stem.length = length;
+            shape(stem, id, frame, position, segment, correction, forks);
+        };
+        shapeAt(whole);
+        if (species_.prune.ratio == 0 || stem.level == 0) return true;
+        double fit = whole;
+        while (const Ring* out = firstOutside(stem)) {
+            // Where it left is a good guess; a shorter stem also bends over a shorter way.
+            fit = std::min(out->offset, 0.9 * fit);
+            if (fit < kShortest * whole) {
+                fit = 0;
+                break;
+            }
+            shapeAt(fit);
+        }
+        const double length = whole + (fit - whole) * species_.prune.ratio;
+        if (length < kShortest * whole) return false;
+        if (length != stem.length) shapeAt(length);
+        return true;
+    }
+
+    const Ring* firstOutside(const Stem& stem) const {
+        for (const Ring& ring : stem.rings) {
+            const double ratio = (height_ - ring.centre.z) / (height_ * (1 - species_.baseSize));
+            const double widest = species_.prune.width * height_ * envelopeRatio(species_.prune, ratio);
+            if (ring.centre.x * ring.centre.x + ring.centre.y * ring.centre.y > widest * widest) return &ring;
+        }
+        return nullptr;
+    }
+
+    /// The rings of a stem and where it forks (sections 4.1, 4.2).
+    void shape(Stem& stem, int id, glm::dmat3 frame, glm::dvec3 position, int segment, double correction, std::vector<Fork>& forks) {
+        const LevelParameters& p = species_.levels[size_t(stem.level)];
         stem.faceted = p.refine == 0;
+        stem.rings.clear();
+        stem.rings.reserve(size_t(p.curveRes - segment) + 3);
+        forks.clear();
         base::Random curve(seed_, uint64_t(id), kCurve), split(seed_, uint64_t(id), kSplit);
         const double step = stem.length / p.curveRes;
-        std::vector<Fork> forks;
+        if (segment > 0) stem.start = segment * step;
         const auto addRing = [&](const glm::dvec3& centre, double offset) {
             stem.rings.push_back({centre, frame, surfaceRadius(stem, offset), offset});
         };
         addRing(position, segment * step);
+        const glm::dmat3 helixAxis = rotateX(frame, p.curveV);
+        const double helixTurn = p.curveV < 0 ? (curve.next() < 0.5f ? -kHelixTurn : kHelixTurn) : 0;
         for (int s = segment; s < p.curveRes; ++s) {
-            double bend = p.curve / p.curveRes;
-            if (p.curveBack != 0) bend = (s < (p.curveRes + 1) / 2 ? p.curve : p.curveBack) / (0.5 * p.curveRes);
-            frame = rotateX(frame, bend - correction + p.curveV / p.curveRes * curve.next(-1, 1));
-            if (p.curveV != 0) frame = rotateZ(frame, 30 * curve.next(-1, 1));
-            if (stem.level >= 2) frame = attract(frame, p.curveRes);
+            if (p.curveV < 0) {
+                frame = rotateX(rotateZ(helixAxis, helixTurn * (s - segment)), -p.curveV);
+            } else {
+                double bend = p.curve / p.curveRes;
+                if (p.curveBack != 0) bend = (s < (p.curveRes + 1) / 2 ? p.curve : p.curveBack) / (0.5 * p.curveRes);
+                frame = rotateX(frame, bend - correction + p.curveV / p.curveRes * curve.next(-1, 1));
+                if (p.curveV != 0) frame = rotateZ(frame, 30 * curve.next(-1, 1));
+                if (stem.level >= 2) frame = attract(frame, p.curveRes);
+            }
             // The flare lies within the first eighth of the trunk: two rings more carry it.
             if (stem.level == 0 && s == 0)
                 for (const double share : {0.15, 0.5}) addRing(position + frame[2] * (share * step), share * step);
@@ -126,17 +161,6 @@ private:
             if (s + 1 < p.curveRes) fork(stem, p, s, frame, correction, split, forks);
         }
         orientRings(stem.rings);
-        skeleton_.stems.push_back(stem);
-
-        for (const Fork& f : forks) {
-            Stem clone = stem;
-            clone.rings.clear();
-            clone.parent = id;
-            clone.start = clone.parentOffset = f.segment * step;
-            clone.bury = 0;
-            growStem(clone, f.frame, stem.at(clone.start).centre, f.segment, f.correction);
-        }
-        if (size_t(stem.level) + 1 < species_.levels.size()) growChildren(stem, id);
     }
 
     /// Section 4.8: vertical attraction turns the direction towards the sky.
@@ -192,7 +216,7 @@ private:
         const double begin = std::max(parent.start, parent.crown), end = parent.length;
         double most = p.branches;
         if (level == 2) {
-            const double share = parent.length / (trunkLength() * species_.levels[1].length);
+            const double share = parent.length / (trunkLength_ * species_.levels[1].length);
             most *= 0.2 + 0.8 * std::min(1.0, share);
         } else if (level > 2) {
             most *= 0.5 + 0.5 * std::min(1.0, parent.leafShare);
@@ -239,7 +263,7 @@ private:
                                               : p.downAngle - p.downAngleV * (2 * shapeRatio(0, fromTop) - 1);
         // Rows lie left and right of the parent, so they are turned from its upright plane.
         const glm::dmat3 base = p.rotate < 0 ? uprightFrame(root.frame) : root.frame;
-        growStem(child, rotateX(rotateZ(base, direction), std::clamp(down, 0.0, 170.0)), root.centre, 0, 0);
+        growStem(std::move(child), rotateX(rotateZ(base, direction), std::clamp(down, 0.0, 170.0)), root.centre, 0, 0);
     }
 
     /// The same z; x level with the ground where z is not vertical.
@@ -248,60 +272,15 @@ private:
         return glm::length(level) < 1e-3 ? f : frameAlong(f[2], level);
     }
 
-    double trunkLength() const { return skeleton_.stems[0].length; }
-
     const Species& species_;
     uint64_t seed_;
+    double height_ = 0, trunkLength_ = 0;  // metres
     std::vector<double> splitError_;  // per level, carried over the whole tree
     Skeleton skeleton_;
 };
 
 }  // namespace
 
-glm::dvec3 Stem::cageCentre(size_t i) const {
-    const size_t last = rings.size() - 1;
-    const Ring& r = rings[i];
-    // e = (h + e) / 4 at one end of a segment h; a single segment is drawn out at both: e = (h + 2e) / 4.
-    const double share = last == 1 ? 1.0 / 2 : 1.0 / 3;
-    if (i == 0) return r.centre - r.frame[2] * ((rings[1].offset - r.offset) * share + bury);
-    if (i == last) return r.centre + r.frame[2] * ((r.offset - rings[last - 1].offset) * share);
-    return r.centre;
-}
-
-StemPoint Stem::at(double offset) const {
-    const size_t last = rings.size() - 1;
-    size_t i = 0;
-    while (i + 1 < last && rings[i + 1].offset <= offset) ++i;
-    const Ring &ra = rings[i], &rb = rings[i + 1];
-    const double t = std::clamp((offset - ra.offset) / (rb.offset - ra.offset), 0.0, 1.0), s = 1 - t;
-    const glm::dvec3 a = cageCentre(i), b = cageCentre(i + 1);
-    // Past a cap the cage has no ring; its valence-3 vertices act like one half a segment inwards.
-    const glm::dvec3 before = i > 0 ? cageCentre(i - 1) : 0.5 * (a + b);
-    const glm::dvec3 after = i + 2 <= last ? cageCentre(i + 2) : 0.5 * (a + b);
-    double w0 = s * s * s / 6, w1 = 2.0 / 3 - t * t * (1 - 0.5 * t), w2 = 2.0 / 3 - s * s * (1 - 0.5 * s), w3 = t * t * t / 6;
-    if (faceted) w0 = s / 6, w1 = (4 * s + t) / 6, w2 = (s + 4 * t) / 6, w3 = t / 6;
-    const glm::dvec3 z = glm::normalize(ra.frame[2] * s + rb.frame[2] * t);
-    return {before * w0 + a * w1 + b * w2 + after * w3, frameAlong(z, ra.frame[0]), ra.radius * s + rb.radius * t};
-}
-
 Skeleton growSkeleton(const Species& species, uint64_t seed) { return Grower(species, seed).grow(); }
-
-void thinRings(Skeleton& skeleton) {
-    std::vector<glm::dvec3> moved(skeleton.stems.size(), glm::dvec3(0));
-    const Skeleton before = skeleton;
-    for (size_t i = 0; i < skeleton.stems.size(); ++i) {
-        Stem& stem = skeleton.stems[i];
-        if (stem.parent >= 0) {
-            const auto parent = size_t(stem.parent);
-            moved[i] = skeleton.stems[parent].at(stem.parentOffset).centre - before.stems[parent].at(stem.parentOffset).centre;
-        }
-        std::vector<Ring> kept;
-        for (size_t r = 0; r < stem.rings.size(); ++r)
-            if (r % 2 == 0 || r + 1 == stem.rings.size()) kept.push_back(stem.rings[r]);
-        stem.rings = std::move(kept);
-        for (Ring& ring : stem.rings) ring.centre += moved[i];
-        orientRings(stem.rings);
-    }
-}
 
 }  // namespace dapple::scenegen

@@ -45,12 +45,26 @@ struct Stem {
     StemPoint at(double offset) const;
 };
 
+/// Stem::at for many offsets: what a segment's points have in common is kept until the next is asked for.
+class StemAxis {
+public:
+    explicit StemAxis(const Stem& stem);
+    StemPoint at(double offset);
+    glm::dvec3 centre(double offset);
+
+private:
+    double enter(double offset);  ///< makes its segment the current one; returns the share along it
+
+    const Stem* stem_;
+    size_t segment_;
+    glm::dvec3 before_, a_, b_, after_;  // control points of the current segment
+};
+
 struct Skeleton {
     std::vector<Stem> stems;  ///< a parent stands before its children
 };
 
 /// Weber and Penn (1995), sections 4.1-4.8. The same species and seed give the same bits everywhere.
-/// Not offered: the pruning envelope, helical stems (negative CurveV), wind.
 Skeleton growSkeleton(const Species& species, uint64_t seed);
 
 /// Takes every second ring away, and moves what grows on a stem along with its surface.

@@ -20,13 +20,13 @@ glm::vec3 readAlbedo(base::ConfigTable& table, const char* key) {
 LevelParameters readLevel(base::ConfigTable& t) {
     LevelParameters p;
     p.length = t.number("length", p.length, 0.01, 10);
-    p.lengthV = t.number("lengthV", 0, 0, 1);
+    p.lengthV = t.number("lengthV", 0, 0, 10);
     if (p.lengthV >= p.length) t.fail("lengthV", "must be below length: a stem would have no length");
     p.taper = t.number("taper", p.taper, 0, 3);
     p.curveRes = int(t.integer("curveRes", p.curveRes, 1, 40));
     p.curve = t.number("curve", 0, -360, 360);
     p.curveBack = t.number("curveBack", 0, -360, 360);
-    p.curveV = t.number("curveV", 0, 0, 360);
+    p.curveV = t.number("curveV", 0, -90, 360);
     p.segSplits = t.number("segSplits", 0, 0, 3);
     p.splitAngle = t.number("splitAngle", 0, 0, 90);
     p.splitAngleV = t.number("splitAngleV", 0, 0, 90);
@@ -53,6 +53,8 @@ LeafParameters readLeaves(base::ConfigTable& t) {
     p.rotate = t.number("rotate", p.rotate, -360, 360);
     p.rotateV = t.number("rotateV", p.rotateV, 0, 360);
     p.flat = t.number("flat", p.flat, 0, 1);
+    p.bend = t.number("bend", 0, 0, 1);
+    p.tipScale = t.number("tipScale", p.tipScale, 0.01, 10);
     p.cardScale = t.number("cardScale", p.cardScale, 0.001, 20);
     p.cardScaleX = t.number("cardScaleX", p.cardScaleX, 0.01, 10);
     p.cardLeaves = t.number("cardLeaves", p.cardLeaves, 1, 1000);
@@ -63,11 +65,35 @@ LeafParameters readLeaves(base::ConfigTable& t) {
     return p;
 }
 
+PruneParameters readPrune(base::ConfigTable& t) {
+    PruneParameters p;
+    p.ratio = t.number("ratio", p.ratio, 0, 1);
+    p.width = t.number("width", p.width, 0.01, 2);
+    p.widthPeak = t.number("widthPeak", p.widthPeak, 0, 0.99);
+    p.powerLow = t.number("powerLow", p.powerLow, 0, 10);
+    p.powerHigh = t.number("powerHigh", p.powerHigh, 0, 10);
+    t.finish();
+    return p;
+}
+
+std::array<size_t, kLods> readBudgets(base::ConfigTable& t) {
+    std::array<size_t, kLods> budgets;
+    const std::vector<double> v = t.numbers("triangles", kLods);
+    for (size_t i = 0; i < v.size(); ++i) {
+        if (v[i] < 60 || v[i] > 1e7 || (i > 0 && v[i] >= v[i - 1])) t.fail("triangles", "must fall from level to level, to no less than 60");
+        budgets[i] = size_t(v[i]);
+    }
+    return budgets;
+}
+
+std::filesystem::path speciesFolder() { return base::homeFolder() / "scenegen/plants/species"; }
+
 }  // namespace
 
 Species readSpecies(base::ConfigTable& t) {
     Species s;
     s.name = t.text("name");
+    s.triangles = readBudgets(t);
     s.shape = int(t.integer("shape", 0, 0, 7));
     s.baseSize = t.number("baseSize", s.baseSize, 0, 0.95);
     s.scale = t.number("scale", s.scale, 0.1, 150);
@@ -84,6 +110,7 @@ Species readSpecies(base::ConfigTable& t) {
     s.barkAlbedo = readAlbedo(t, "barkAlbedo");
     for (base::ConfigTable& level : t.tables("level")) s.levels.push_back(readLevel(level));
     if (s.levels.size() < 2 || s.levels.size() > 4) t.fail("level", "a species has 2 to 4 [[level]] tables");
+    if (std::optional<base::ConfigTable> prune = t.table("prune")) s.prune = readPrune(*prune);
     std::optional<base::ConfigTable> leaves = t.table("leaves");
     if (!leaves) t.fail("leaves", "is required");
     s.leaves = readLeaves(*leaves);
@@ -91,14 +118,18 @@ Species readSpecies(base::ConfigTable& t) {
     return s;
 }
 
+std::vector<std::string> listSpecies() {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(speciesFolder()))
+        if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
 Species loadSpecies(const std::string& name) {
-    const std::filesystem::path folder = base::homeFolder() / "scenegen/plants/species";
-    std::vector<std::string> known;
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".toml") known.push_back(entry.path().stem().string());
-    std::sort(known.begin(), known.end());
+    const std::vector<std::string> known = listSpecies();
     if (!std::binary_search(known.begin(), known.end(), name)) throw base::UsageError(base::unknownName("species", name, known));
-    base::ConfigTable table = base::ConfigTable::parseFile(folder / (name + ".toml"));
+    base::ConfigTable table = base::ConfigTable::parseFile(speciesFolder() / (name + ".toml"));
     return readSpecies(table);
 }
 
@@ -113,6 +144,13 @@ double shapeRatio(int shape, double r) {
         case 6: return 1 - 0.8 * r;
         default: return r <= 0.7 ? 0.5 + 0.5 * r / 0.7 : 0.5 + 0.5 * (1 - r) / 0.3;
     }
+}
+
+double envelopeRatio(const PruneParameters& p, double r) {
+    if (r < 0 || r > 1) return 0;
+    const double top = 1 - p.widthPeak;  // share of the crown above its widest place
+    // det::pow(0, y) is 0 for every y, so a power of 0 still closes the envelope.
+    return r < top ? base::det::pow(r / top, p.powerHigh) : base::det::pow((1 - r) / (1 - top), p.powerLow);
 }
 
 }  // namespace dapple::scenegen

@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ struct LevelParameters {
     double length = 1, lengthV = 0;  ///< share of the parent's length (level 0: of the tree's scale)
     double taper = 1;                ///< 0 cylinder, 1 cone, 2 round end, 3 beads
     int curveRes = 3;                ///< segments
-    double curve = 0, curveBack = 0, curveV = 0;
+    double curve = 0, curveBack = 0;
+    double curveV = 0;               ///< < 0: the stem is a helix, declined from its axis by the magnitude
     double segSplits = 0, splitAngle = 0, splitAngleV = 0;  ///< clones per segment
     double downAngle = 0, downAngleV = 0;  ///< V < 0: varies with the height on the parent instead of by chance
     double rotate = 140, rotateV = 0;      ///< < 0: two rows, left and right of the parent, not a helix
@@ -32,6 +34,8 @@ struct LeafParameters {
     double scaleX = 0.6;            ///< width / length
     double downAngle = 50, downAngleV = 10, rotate = 140, rotateV = 20;  ///< degrees, against the twig
     double flat = 0.5;              ///< 0: the blade's side is random; 1: it faces the sky
+    double bend = 0;                ///< 0…1: how far the blade turns to the light, away from the trunk (section 4.9)
+    double tipScale = 1;            ///< size of a twig's last leaf over that of its first (a fern's frond)
     double cardScale = 0.6;         ///< length of a card, metres; it stands for cardLeaves leaves
     double cardScaleX = 0.8;        ///< width / length of a card
     double cardLeaves = 8;
@@ -40,8 +44,19 @@ struct LeafParameters {
     glm::vec3 albedo{0.1f, 0.2f, 0.05f};  ///< linear
 };
 
+/// Section 4.6: stems that leave the envelope are shortened. Powers and widths as in the paper's Prune… parameters.
+struct PruneParameters {
+    double ratio = 0;            ///< 0: no pruning; 1: nothing reaches beyond the envelope
+    double width = 0.5;          ///< largest radius of the envelope / height of the tree
+    double widthPeak = 0.5;      ///< height of that radius, as a share of the crown from its foot
+    double powerLow = 0.5, powerHigh = 0.5;  ///< curvature below and above the peak; 1: a cone
+};
+
+inline constexpr int kLods = 3;
+
 struct Species {
     std::string name;
+    std::array<size_t, kLods> triangles{};  ///< budgets of the levels of detail, finest first
     int shape = 0;  ///< crown: 0 conical … 7 tend flame
     double baseSize = 0.2, scale = 10, scaleV = 0;  ///< metres
     double ratio = 0.02, ratioPower = 1.2, flare = 0;
@@ -49,6 +64,7 @@ struct Species {
     double lobeDepth = 0, attractionUp = 0;
     double barkShare = 0.45;  ///< largest share of a triangle budget that stems may use
     glm::vec3 barkAlbedo{0.2f};  ///< linear
+    PruneParameters prune;
     std::vector<LevelParameters> levels;  ///< 2 to 4; leaves grow on the last
     LeafParameters leaves;
 };
@@ -59,7 +75,13 @@ Species readSpecies(base::ConfigTable& table);
 /// Species of that name in scenegen/plants/species. Throws UsageError with the nearest known name.
 Species loadSpecies(const std::string& name);
 
+/// All of them, sorted by name.
+std::vector<std::string> listSpecies();
+
 /// Ratio of lengths at `ratio` of the crown (0 = its top, 1 = its base): Weber and Penn, section 4.3.
 double shapeRatio(int shape, double ratio);
+
+/// The same for the pruning envelope (shape 8), in shares of its width; 0 outside 0 ≤ ratio ≤ 1.
+double envelopeRatio(const PruneParameters& prune, double ratio);
 
 }  // namespace dapple::scenegen

@@ -7,14 +7,19 @@ namespace dapple::scenegen {
 
 struct TreeOptions {
     uint64_t seed = 1;      ///< the individual
-    size_t triangles = 0;   ///< budget; 0: what the species' parameters give
+    /// Budget; 0: what the species' parameters give. It chooses stems and leaves, and solid leaves are those that
+    /// the same budget gives as polygons: with them the tree has more triangles, but the same shape.
+    size_t triangles = 0;
     LeafMode leaves = LeafMode::polygon;
+    /// 0, 1, 2: how far away the tree will be seen. The skeleton is the same; from 1 on leaves may grow large and stay
+    /// where their twig would be if it is not meshed. Species::triangles has the budget that goes with it.
+    int lod = 0;
 };
 
 /// Foot at the origin, z up, metres. Meshes carry no material yet.
 struct Tree {
     Mesh bark;    ///< closed, oriented tubes, one per stem
-    Mesh leaves;  ///< open
+    Mesh leaves;  ///< open, but for LeafMode::solid
 };
 
 /// Grows one individual. With a budget the tree has exactly that many triangles, less one if it is odd.

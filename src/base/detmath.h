@@ -21,12 +21,10 @@ inline SinCos sinCos(double x) {
     const double r = (x - k * 1.57079632673412561417) - k * 6.07710050650619224932e-11, q = r * r;
     const double s = r * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q / 6227020800.0))))));
     const double c = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q / 87178291200.0))))));
-    switch (static_cast<long long>(k) & 3) {
-        case 0: return {s, c};
-        case 1: return {c, -s};
-        case 2: return {-s, -c};
-        default: return {-c, s};
-    }
+    // No branches: the quadrant of a random angle cannot be predicted. Products with ±1 are exact.
+    const long long quadrant = static_cast<long long>(k);
+    const double odd[2] = {s, c}, even[2] = {c, s}, sign[2] = {1, -1};
+    return {sign[(quadrant >> 1) & 1] * odd[quadrant & 1], sign[((quadrant + 1) >> 1) & 1] * even[quadrant & 1]};
 }
 inline double sin(double x) { return sinCos(x).sin; }
 inline double cos(double x) { return sinCos(x).cos; }

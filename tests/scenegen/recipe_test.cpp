@@ -150,7 +150,8 @@ TEST(Recipe, badValuesNameFileLineAndKey) {
              {"triangles = 2500", "triangles = 10", ":7: triangles: species oak: 10 triangles are too few"},
              {"triangles = 2500", "leaves = \"needle\"", ":7: leaves: 'needle' is none of"},
              {"triangles = 2500", "scale = [2, 1]", ":7: scale: must be"},
-             {"triangles = 2500", "lod = 0", ":7: lod: 0 is outside"},
+             {"triangles = 2500", "lod = 3", ":7: lod: 3 is outside"},
+             {"triangles = 2500", "keep = 0", ":7: keep: 0 is outside"},
              {"views = 2", "views = 0", ":9: views: 0 is outside"},
              {"views = 2", "near = 5\nfar = 1", ":10: far: must be beyond near"},
          })
