@@ -19,6 +19,7 @@ namespace dapple::scenegen {
 ///     [ground]      size (m), undulation (m), cells, albedo; no table: no ground
 ///     [[species]]   name, share, individuals, triangles, leaves = "polygon" | "card", lod, scale = [lo, hi]
 ///     [[primitive]] kind = "box" | "sphere" | "slab", position (centre), size (box, slab) or radius (sphere), albedo
+///     [city]        style = "vienna" | "manhattan", scale (of the area), trees (triangles each), views, fovY
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far
 ///
