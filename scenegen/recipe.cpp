@@ -4,6 +4,7 @@
 #include "base/detmath.h"
 #include "base/error.h"
 #include "base/random.h"
+#include "scenegen/city/city.h"
 #include "scenegen/lod/connectivity.h"
 #include "scenegen/lod/decimate.h"
 #include "scenegen/placement/path.h"
@@ -54,13 +55,15 @@ public:
         readSun();
         readGround();
         readPrimitives();
+        if (std::optional<base::ConfigTable> t = t_.table("city")) city_ = readCity(*t);
         readPath();
         readSpecies();
         t_.finish();
         for (auto& [entry, line] : species_) plantSpecies(entry, *line);
         placeTrees();
         addWalkViews();
-        if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]] or a [path]");
+        if (city_) addCity(scene_, *city_, seed_);
+        if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]], a [path] or a [city]");
         return std::move(scene_);
     }
 
@@ -301,6 +304,7 @@ private:
     uint64_t seed_ = 1;
     double groundSize_ = 0, spacing_ = 1;
     std::optional<Ground> ground_;
+    std::optional<City> city_;
     std::optional<Path> way_;
     PathEntry path_;
     std::set<std::string> viewNames_;

@@ -21,6 +21,7 @@ namespace dapple::scenegen {
 ///                   triangles (budget; solid leaves count as polygons), lod = 0 | 1 | 2 (sets the species' own budget),
 ///                   keep (share that decimation leaves), position = [x, y] (one tree, which is not scattered)
 ///     [[primitive]] kind = "box" | "sphere" | "slab", position (centre), size (box, slab) or radius (sphere), albedo
+///     [city]        style = "vienna" | "manhattan", scale (of the area), trees (triangles each), views, fovY
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far
 ///

@@ -1,0 +1,238 @@
+#include "scenegen/city/city.h"
+
+#include "base/random.h"
+#include "scenegen/city/assembly.h"
+#include "scenegen/city/furniture.h"
+#include "scenegen/city/house.h"
+#include "scenegen/city/tower.h"
+#include "scenegen/city/views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace dapple::scenegen {
+namespace {
+using namespace city;
+
+constexpr uint64_t kLookPurpose = 0x6c6f6f6b, kYardPurpose = 0x79617264;
+constexpr double kViennaArea = 1.1e6, kManhattanArea = 2.9e6;  // m² at scale 1
+
+struct Colour {
+    const char* name;
+    glm::vec3 albedo;
+};
+// Linear, of weathered paint and stone (a fresh white wall has 0.8, asphalt 0.05 to 0.12).
+constexpr Colour kStucco[] = {{"stucco ochre", {0.56f, 0.42f, 0.22f}}, {"stucco cream", {0.60f, 0.54f, 0.42f}}, {"stucco grey", {0.44f, 0.43f, 0.41f}},
+                              {"stucco rose", {0.55f, 0.40f, 0.34f}}, {"stucco green", {0.42f, 0.46f, 0.36f}}, {"stucco white", {0.66f, 0.64f, 0.60f}},
+                              {"stucco blue", {0.40f, 0.45f, 0.49f}}, {"stucco brown", {0.42f, 0.31f, 0.21f}}};
+constexpr Colour kTiles[] = {{"tiles red", {0.29f, 0.115f, 0.07f}}, {"tiles brown", {0.20f, 0.105f, 0.075f}}, {"slate", {0.12f, 0.125f, 0.13f}}};
+constexpr Colour kTowerWalls[] = {{"brick red", {0.28f, 0.105f, 0.07f}}, {"brick brown", {0.19f, 0.12f, 0.085f}}, {"brick buff", {0.46f, 0.36f, 0.24f}},
+                                  {"limestone", {0.52f, 0.48f, 0.40f}}, {"limestone grey", {0.42f, 0.41f, 0.38f}}, {"limestone warm", {0.50f, 0.43f, 0.34f}},
+                                  {"concrete", {0.36f, 0.36f, 0.35f}}, {"concrete white", {0.56f, 0.55f, 0.52f}}, {"concrete dark", {0.22f, 0.22f, 0.22f}},
+                                  {"mullions dark", {0.07f, 0.075f, 0.08f}}, {"mullions bronze", {0.14f, 0.10f, 0.07f}}, {"mullions steel", {0.34f, 0.36f, 0.38f}}};
+
+void append(Mesh& to, const Mesh& mesh) {
+    const auto base = uint32_t(to.positions.size());
+    to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
+    to.normals.insert(to.normals.end(), mesh.normals.begin(), mesh.normals.end());
+    for (const uint32_t i : mesh.indices) to.indices.push_back(base + i);
+}
+
+class CityBuilder {
+public:
+    CityBuilder(Scene& scene, const City& city, uint64_t seed)
+        : scene_(scene), city_(city), seed_(seed),
+          plan_(layOut(city.style, city.scale * (city.style == Style::vienna ? kViennaArea : kManhattanArea), seed)) {
+        glass_ = addMaterial(scene, "window glass", {0.03f, 0.035f, 0.042f}, 0.5f, 90);
+        frames_ = addMaterial(scene, "window frames", {0.50f, 0.48f, 0.44f});
+        iron_ = addMaterial(scene, "dark iron", {0.07f, 0.075f, 0.07f}, 0.2f, 24);
+    }
+
+    void build() {
+        addGround();
+        const FurnitureOptions furniture{seed_, city_.treeTriangles, 0.7};
+        if (city_.style == Style::vienna) buildVienna();
+        else buildManhattan();
+        addFurniture(scene_, plan_, furniture);
+        addTrees(scene_, yardTrees_, 4.2, furniture);
+        addViews(scene_, plan_, city_.views, city_.fovY);
+    }
+
+private:
+    void addGround() {
+        const uint32_t asphalt = addMaterial(scene_, "asphalt", {0.085f, 0.085f, 0.088f}), stone = addMaterial(scene_, "pavement", {0.27f, 0.26f, 0.245f});
+        const uint32_t kerbstone = addMaterial(scene_, "kerbstone", {0.36f, 0.35f, 0.33f}), lawn = addMaterial(scene_, "lawn", {0.085f, 0.125f, 0.045f});
+        const uint32_t land = addMaterial(scene_, "land", {0.15f, 0.15f, 0.09f});
+        glm::dvec2 far(0);
+        for (const glm::dvec2& p : plan_.ground.corners) far = glm::max(far, glm::abs(p));
+        Mesh around, road;
+        addBox(around, {-far - 150.0, -1.0}, {far + 150.0, -0.12});
+        addPrism(road, plan_.ground, -0.5, 0);
+        // A receiver only: the roadway is the lowest thing there is.
+        place(addPrototype(scene_, "ground", {of(around, land), of(road, asphalt)}, false));
+        for (size_t b = 0; b < plan_.blocks.size(); ++b) {
+            const Block& block = plan_.blocks[b];
+            Mesh kerbs, pavement, grass;
+            addPrism(kerbs, block.kerb, -0.1, kPavement - 0.01);
+            Region flags = block.kerb;
+            for (size_t i = 0; i < flags.size(); ++i) flags = clip(flags, block.kerb.edge(i).moved(0.25), 0);
+            addPrism(pavement, flags, -0.05, kPavement);
+            Region green = block.lot;
+            const double border = block.park ? 0.6 : kWingDepth + 2.5;
+            for (size_t i = 0; i < block.lot.size() && !green.empty(); ++i) green = clip(green, block.lot.edge(i).moved(border), 0);
+            if (!green.empty() && (block.park || (city_.style == Style::vienna && orientedBox(green).width() > 8))) {
+                addPrism(grass, green, 0, kPavement + 0.04);
+                plantYard(green, b);
+            }
+            place(addPrototype(scene_, fmt::format("pavement {}", b), {of(kerbs, kerbstone), of(pavement, stone), of(grass, lawn)}));
+        }
+    }
+
+    void place(uint32_t prototype) { addInstance(scene_, prototype, glm::dvec3(0), {1, 0}); }
+
+    void plantYard(const Region& green, uint64_t number) {
+        const Extent box = orientedBox(green);
+        const glm::dvec2 u = box.direction, v{-u.y, u.x};
+        base::Random random(seed_, number, kYardPurpose);
+        for (double y = box.acrossLo; y < box.acrossHi; y += 9)
+            for (double x = box.alongLo; x < box.alongHi; x += 9) {
+                const double dx = random.next(), dy = random.next(), grows = random.next();
+                const glm::dvec2 p = u * (x + 7 * dx) + v * (y + 7 * dy);
+                if (grows < 0.6 && green.contains(p, 1.5)) yardTrees_.emplace_back(p, kPavement);
+            }
+    }
+
+    void buildVienna() {
+        const uint32_t stone = addMaterial(scene_, "ashlar", {0.52f, 0.48f, 0.41f}), zinc = addMaterial(scene_, "zinc", {0.30f, 0.32f, 0.33f}, 0.15f, 20);
+        const uint32_t timber = addMaterial(scene_, "timber", {0.10f, 0.055f, 0.03f});
+        std::array<uint32_t, std::size(kStucco)> stucco;
+        std::array<uint32_t, std::size(kTiles)> tiles;
+        for (size_t i = 0; i < stucco.size(); ++i) stucco[i] = addMaterial(scene_, kStucco[i].name, kStucco[i].albedo);
+        for (size_t i = 0; i < tiles.size(); ++i) tiles[i] = addMaterial(scene_, kTiles[i].name, kTiles[i].albedo);
+        Parts balcony = balconyModule();
+        const uint32_t balconyPrototype = addPrototype(scene_, "balcony", {of(std::move(balcony.trim), stone), of(std::move(balcony.roof), iron_)});
+        std::map<std::array<int, 4>, uint32_t> bays;
+        std::map<std::array<int, 2>, uint32_t> dormers;
+
+        for (size_t b = 0; b < plan_.blocks.size(); ++b) {
+            const Block& block = plan_.blocks[b];
+            if (block.park) continue;
+            const uint64_t blockSeed = base::mix64(seed_ ^ base::mix64(b + 1));
+            const base::Random look(seed_, b, kLookPurpose);
+            const int usual = 4 + int(2.3f * look.uniform(0));
+            std::map<uint32_t, Mesh> meshes;  // by material
+            const std::vector<Region> parcels = subdivide(block.lot, {380, 820, 13, 0.35, 0}, blockSeed);
+            for (size_t p = 0; p < parcels.size(); ++p) {
+                const base::Random r(blockSeed, p, kLookPurpose);
+                House house{std::clamp(usual + int(3 * r.uniform(0)) - 1, 4, 6), int(r.uniform(1) * float(kHouseStyles)), base::mix64(blockSeed + p)};
+                const auto colour = size_t(r.uniform(2) * float(stucco.size())), tile = size_t(r.uniform(3) * r.uniform(4) * float(tiles.size()));
+                Parts parts;
+                std::vector<Placed> modules;
+                addHouse(parts, parcels[p], block.lot, house, &modules);
+                append(meshes[stucco[colour]], parts.wall);
+                append(meshes[stone], parts.trim);
+                append(meshes[tiles[tile]], parts.roof);
+                for (const Placed& m : modules) {
+                    uint32_t prototype = balconyPrototype;
+                    if (m.what == Placed::bay) {
+                        const auto [at, isNew] = bays.try_emplace({house.style, house.floors, int(colour), int(m.kind)}, 0);
+                        if (isNew) {
+                            Parts bay = bayModule(house, m.kind);
+                            at->second = addPrototype(scene_, fmt::format("bay {} of {} floors, {}", house.style, house.floors, kStucco[colour].name),
+                                                      {of(std::move(bay.wall), stucco[colour]), of(std::move(bay.trim), frames_), of(std::move(bay.glass), glass_), of(std::move(bay.roof), timber)});
+                        }
+                        prototype = at->second;
+                    } else if (m.what == Placed::dormer) {
+                        const auto [at, isNew] = dormers.try_emplace({int(colour), int(tile)}, 0);
+                        if (isNew) {
+                            Parts dormer = dormerModule();
+                            at->second = addPrototype(scene_, "dormer", {of(std::move(dormer.wall), stucco[colour]), of(std::move(dormer.trim), frames_), of(std::move(dormer.glass), glass_), of(std::move(dormer.roof), zinc)});
+                        }
+                        prototype = at->second;
+                    }
+                    addInstance(scene_, prototype, m.position, m.direction);
+                }
+            }
+            std::vector<Mesh> ofBlock;
+            for (auto& [material, mesh] : meshes) ofBlock.push_back(of(std::move(mesh), material));
+            place(addPrototype(scene_, fmt::format("block {}", b), std::move(ofBlock)));
+        }
+    }
+
+    void buildManhattan() {
+        const uint32_t stone = addMaterial(scene_, "cast stone", {0.44f, 0.42f, 0.37f}), wood = addMaterial(scene_, "tank wood", {0.15f, 0.095f, 0.06f});
+        const uint32_t curtain = addMaterial(scene_, "curtain glass", {0.035f, 0.055f, 0.075f}, 0.7f, 120);
+        std::vector<uint32_t> walls;
+        for (const Colour& c : kTowerWalls) walls.push_back(addMaterial(scene_, c.name, c.albedo));
+        std::map<TowerKind, uint32_t> towers;
+        for (size_t b = 0; b < plan_.blocks.size(); ++b) {
+            const Block& block = plan_.blocks[b];
+            if (block.park) continue;
+            const uint64_t blockSeed = base::mix64(seed_ ^ base::mix64(b + 1));
+            const std::vector<Region> parcels = subdivide(block.lot, {420, 2600, 4 * kBay, 0.5, kBay}, blockSeed);
+            for (size_t p = 0; p < parcels.size(); ++p) {
+                const base::Random r(blockSeed, p, kLookPurpose);
+                const auto [kind, direction] = kindOf(parcels[p], r);
+                const auto [at, isNew] = towers.try_emplace(kind, 0);
+                if (isNew) {
+                    Parts parts = towerParts(kind, seed_);
+                    const uint32_t wall = walls[size_t(kind.style) * 3 + towers.size() % 3];
+                    at->second = addPrototype(scene_, fmt::format("tower {} × {} bays, style {}", kind.width, kind.depth, kind.style),
+                                              {of(std::move(parts.wall), wall), of(std::move(parts.trim), kind.style == 3 ? wall : stone),
+                                               of(std::move(parts.glass), kind.style == 3 ? curtain : glass_), of(std::move(parts.roof), wood)});
+                }
+                addInstance(scene_, at->second, {parcels[p].centroid(), 0}, direction);
+            }
+        }
+    }
+
+    /// What stands on a parcel of whole bays, and the direction of its front.
+    static std::pair<TowerKind, glm::dvec2> kindOf(const Region& parcel, const base::Random& r) {
+        // Fronts look to the avenue or street that they have most of.
+        size_t front = 0;
+        double longest = -1;
+        for (size_t i = 0; i < 4; ++i)
+            if (parcel.labels[i] >= 0 && parcel.length(i) > longest) longest = parcel.length(i), front = i;
+        const auto bays = [&](size_t i) { return int(std::floor(parcel.length(i) / kBay + 0.5)); };
+        TowerKind kind;
+        kind.width = bays(front), kind.depth = bays((front + 1) % 4);
+        kind.right = parcel.labels[(front + 1) % 4] >= 0;
+        kind.rear = parcel.labels[(front + 2) % 4] >= 0;
+        kind.left = parcel.labels[(front + 3) % 4] >= 0;
+        const bool small = std::min(kind.width, kind.depth) < 6;
+        const float style = r.uniform(0);
+        kind.style = small ? (style < 0.75f ? 0 : 1) : style < 0.3f ? 0 : style < 0.6f ? 1 : style < 0.8f ? 2 : 3;
+        kind.variant = small ? int(3 * r.uniform(1)) : 0;
+        return {kind, parcel.edge(front).direction};
+    }
+
+    Scene& scene_;
+    const City& city_;
+    uint64_t seed_;
+    Plan plan_;
+    std::vector<glm::dvec3> yardTrees_;
+    uint32_t glass_ = 0, frames_ = 0, iron_ = 0;
+};
+
+}  // namespace
+
+City readCity(base::ConfigTable& table) {
+    City city;
+    const std::string style = table.text("style", "vienna");
+    if (style != "vienna" && style != "manhattan") table.fail("style", fmt::format("'{}' is none of vienna, manhattan", style));
+    city.style = style == "vienna" ? Style::vienna : Style::manhattan;
+    city.scale = table.number("scale", 1, 1.0 / 1024, 64);
+    city.treeTriangles = size_t(table.integer("trees", 2000, 0, 1'000'000));
+    city.views = int(table.integer("views", 6, 1, 1000));
+    city.fovY = table.number("fovY", 60, 1, 170);
+    table.finish();
+    return city;
+}
+
+void addCity(Scene& scene, const City& city, uint64_t seed) { CityBuilder(scene, city, seed).build(); }
+
+}  // namespace dapple::scenegen

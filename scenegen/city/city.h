@@ -1,0 +1,29 @@
+#pragma once
+
+#include "base/config.h"
+#include "scenegen/city/plan.h"
+#include "scenegen/scene.h"
+
+#include <string>
+
+namespace dapple::scenegen {
+
+/// What a recipe's [city] says.
+struct City {
+    city::Style style = city::Style::vienna;
+    double scale = 1;             ///< of the area: 1 is the size that the style is known for
+    size_t treeTriangles = 2000;  ///< per street tree; 0: no trees
+    int views = 6;                ///< walk0 …: on streets, 1.7 m above them
+    double fovY = 60;             ///< degrees
+    std::string footprints;       ///< GeoJSON file of real buildings in place of a style; empty: none
+};
+
+/// Reads the table: style = "vienna" | "manhattan", scale (1/1024 … 64), trees (triangles each), views, fovY; or
+/// footprints (a path, from the recipe's folder on). Throws UsageError with file, line and key.
+City readCity(base::ConfigTable& table);
+
+/// Adds ground, streets, buildings and furniture about the scene's origin, and the views: walk0 … and above.
+/// vienna at scale 1: 1.1 km², perimeter blocks with courtyards; manhattan: 2.9 km², towers on a grid.
+void addCity(Scene& scene, const City& city, uint64_t seed);
+
+}  // namespace dapple::scenegen

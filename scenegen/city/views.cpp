@@ -1,0 +1,37 @@
+#include "scenegen/city/views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dapple::scenegen::city {
+
+void addViews(Scene& scene, const Plan& plan, int count, double fovY) {
+    const Extent extent = orientedBox(plan.ground);
+    // Streets with houses on both sides first; wide ones and narrow ones in turn.
+    std::vector<Street> streets = plan.streets;
+    std::stable_sort(streets.begin(), streets.end(), [&](const Street& a, const Street& b) {
+        const auto rank = [&](const Street& s) { return std::pair(!plan.ground.contains(0.5 * (s.a + s.b), 40), -glm::distance(s.a, s.b)); };
+        return rank(a) < rank(b);
+    });
+    for (int i = 0; i < count; ++i) {
+        Street s = streets[size_t(i) % streets.size()];
+        if (i % 2) std::swap(s.a, s.b);
+        const double length = glm::distance(s.a, s.b);
+        const glm::dvec2 u = (s.b - s.a) / length;
+        // A pedestrian's eye a little to the right of the middle, looking slightly to the left.
+        const glm::dvec2 eye = s.a + u * (length * (0.22 + 0.11 * double(i / 2 % 4))) + 0.1 * s.width * glm::dvec2(u.y, -u.x);
+        const glm::dvec3 ahead(u + 0.12 * glm::dvec2(-u.y, u.x), 0.07);
+        View view{.name = fmt::format("walk{}", i), .eye = {eye, 1.7}, .forward = ahead / std::sqrt(glm::dot(ahead, ahead)), .fovY = fovY};
+        view.near = 0.3, view.far = std::max(400.0, extent.length());
+        scene.views.push_back(view);
+    }
+    const double reach = 0.5 * extent.length();
+    View above{.name = "above", .eye = glm::dvec3(-0.9, -0.95, 0.75) * reach, .fovY = fovY};
+    above.forward = glm::normalize(glm::dvec3(-0.05 * reach, -0.1 * reach, 0) - above.eye);
+    above.near = 1, above.far = 5 * reach + 300;
+    scene.views.push_back(above);
+}
+
+}  // namespace dapple::scenegen::city
