@@ -3,19 +3,22 @@
 #include "base/config.h"
 #include "base/detmath.h"
 #include "base/error.h"
-#include "base/random.h"
+#include "base/hash.h"
 #include "scenegen/city/city.h"
 #include "scenegen/lod/connectivity.h"
 #include "scenegen/lod/decimate.h"
+#include "scenegen/placement/forest.h"
 #include "scenegen/placement/path.h"
-#include "scenegen/placement/poisson.h"
 #include "scenegen/plants/tree.h"
 #include "scenegen/primitives.h"
 #include "scenegen/terrain/ground.h"
+#include "scenegen/terrain/terrain.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -24,17 +27,15 @@ namespace dapple::scenegen {
 namespace {
 
 constexpr int kCardTexels = 256;
-constexpr uint64_t kPlacementPurpose = 0x74726565;
 
 struct SpeciesEntry {
     Species species;
-    double share = 1;
     int individuals = 1;
     size_t triangles = 0;
     LeafMode leaves = LeafMode::polygon;
     int lod = 0;
     double keep = 1;
-    glm::dvec2 scale{1};
+    Stand stand;  ///< its individuals come when they are grown
     std::optional<glm::dvec2> position;  ///< of its one tree, which is not scattered
 };
 
@@ -52,8 +53,10 @@ public:
         t_.text("description");
         seed_ = uint64_t(t_.integer("seed", 1, 0, int64_t{1} << 53));
         if (t_.has("origin")) scene_.origin = vec3(t_, "origin");
+        area_ = t_.number("scale", 1, 1e-4, 1e4);
         readSun();
         readGround();
+        readClearings();
         readPrimitives();
         if (std::optional<base::ConfigTable> t = t_.table("city")) city_ = readCity(*t);
         readPath();
@@ -62,6 +65,7 @@ public:
         for (auto& [entry, line] : species_) plantSpecies(entry, *line);
         placeTrees();
         addWalkViews();
+        if (terrain_) addTerrain(scene_, *terrain_);
         if (city_) addCity(scene_, *city_, seed_);
         if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]], a [path] or a [city]");
         return std::move(scene_);
@@ -95,18 +99,33 @@ private:
     }
 
     void readGround() {
+        if (std::optional<base::ConfigTable> t = t_.table("terrain")) {
+            if (t_.has("ground")) t_.fail("ground", "a scene has a [ground] or a [terrain], not both");
+            terrain_ = readTerrain(*t, seed_, area_);
+            groundSize_ = terrain_->size();
+            const HeightField& field = terrain_->field;
+            height_ = [&field](const glm::dvec2& p) { return field.height(p.x, p.y); };
+            slope_ = [&field](const glm::dvec2& p) { return field.slope(p.x, p.y); };
+            return;
+        }
         std::optional<base::ConfigTable> t = t_.table("ground");
         if (!t) return;
         GroundOptions options;
-        options.size = t->number("size", options.size, 0.1, 100'000);
+        const double side = std::sqrt(area_);
+        options.size = t->number("size", options.size, 0.1, 100'000) * side;
         options.undulation = t->number("undulation", 0, 0, 100);
-        options.cells = int(t->integer("cells", options.cells, 1, 2000));
+        options.cells = std::max(1, int(std::lround(double(t->integer("cells", options.cells, 1, 2000)) * side)));
         options.seed = seed_;
         const glm::vec3 colour = albedo(*t, {0.20f, 0.17f, 0.10f});
         t->finish();
         groundSize_ = options.size;
-        ground_.emplace(options);
-        Mesh mesh = ground_->mesh();
+        const Ground ground(options);
+        height_ = [ground](const glm::dvec2& p) { return ground.height(p.x, p.y); };
+        slope_ = [ground](const glm::dvec2& p) {
+            const glm::dvec3 n = ground.normal(p.x, p.y);
+            return std::sqrt(n.x * n.x + n.y * n.y) / n.z;
+        };
+        Mesh mesh = ground.mesh();
         mesh.material = addMaterial({.name = "ground", .albedo = colour, .doubleSided = false});
         addInstanced("ground", std::move(mesh), glm::vec3(0), false);
     }
@@ -153,7 +172,7 @@ private:
             path_.eyeHeight = t->number("eyeHeight", 1.7, 0.01, 1000);
             readLens(*t, path_.lens);
             t->finish();
-            if (!ground_) t_.fail("path", "a path needs a [ground] to run on");
+            if (!height_) t_.fail("path", "a path needs a [ground] or a [terrain] to run on");
             way_.emplace(groundSize_, seed_);
         }
         for (base::ConfigTable& t : t_.tables("view")) {
@@ -180,10 +199,10 @@ private:
             if (viewNames_.contains(view.name)) t_.fail("path", "a [[view]] has the name " + view.name + " already");
             const double y = (-0.46 + 0.7 * i / path_.views) * groundSize_;
             const double x = way_->x(y);
-            view.eye = {x, y, ground_->height(x, y) + path_.eyeHeight};
+            view.eye = {x, y, height_({x, y}) + path_.eyeHeight};
             // One looks along the way, at what is a few steps ahead rather than at one's feet.
             const double ahead = y + 0.12 * groundSize_;
-            view.forward = glm::normalize(glm::dvec3(way_->x(ahead), ahead, ground_->height(way_->x(ahead), ahead) + 1.3 * path_.eyeHeight) - view.eye);
+            view.forward = glm::normalize(glm::dvec3(way_->x(ahead), ahead, height_({way_->x(ahead), ahead}) + 1.3 * path_.eyeHeight) - view.eye);
             walk.push_back(view);
         }
         scene_.views.insert(scene_.views.begin(), walk.begin(), walk.end());
@@ -200,7 +219,7 @@ private:
                 if (std::string_view(error.what()).starts_with("unknown")) t.fail("name", error.what());
                 throw;
             }
-            e.share = t.number("share", 1, 1e-6, 1e6);
+            e.stand.share = t.number("share", 1, 1e-6, 1e6);
             e.individuals = int(t.integer("individuals", 1, 1, 1000));
             e.triangles = size_t(t.integer("triangles", 0, 0, 10'000'000));
             const std::string leaves = t.text("leaves", "polygon");
@@ -218,17 +237,28 @@ private:
             if (t.has("scale")) {
                 const std::vector<double> s = t.numbers("scale", 2);
                 if (!(s[0] > 0 && s[1] >= s[0])) t.fail("scale", "must be [lo, hi] with 0 < lo ≤ hi");
-                e.scale = {s[0], s[1]};
+                e.stand.scale = {s[0], s[1]};
+            }
+            if (t.has("altitude")) {
+                const std::vector<double> z = t.numbers("altitude", 2);
+                if (!(z[1] >= z[0])) t.fail("altitude", "must be [lo, hi] with lo ≤ hi");
+                e.stand.altitude = {z[0], z[1]};
+            }
+            if (t.has("slope")) {
+                const auto [sine, cosine] = base::det::sinCos(t.number("slope", 0, 0, 89) * base::det::kDegree);
+                e.stand.steepest = sine / cosine;
             }
             t.finish();
             species_.emplace_back(std::move(e), std::make_unique<base::ConfigTable>(std::move(t)));
         }
         if (species_.empty()) return;
-        if (!ground_) t_.fail("species", "trees need a [ground] to stand on");
+        if (!height_) t_.fail("species", "trees need a [ground] or a [terrain] to stand on");
         const bool scattered = std::any_of(species_.begin(), species_.end(), [](const auto& s) { return !s.first.position; });
         if (scattered && !t_.has("trees")) t_.fail("trees", "is required with [[species]] that have no position");
         if (scattered) trees_ = size_t(t_.integer("trees", 0, 1, 100'000'000));
+        trees_ = std::max<size_t>(scattered ? 1 : 0, size_t(std::llround(double(trees_) * area_)));
         spacing_ = t_.number("spacing", 1, 0, 100);
+        crowding_ = t_.boolean("selfThinning", false) ? Crowding::thin : Crowding::shrink;
     }
 
     /// Adds the prototypes and materials of one species.
@@ -242,7 +272,6 @@ private:
             scene_.textures.push_back({s.name + " card", drawCard(s, kCardTexels)});
         }
         const uint32_t leaves = addMaterial(leaf);
-        prototypes_.emplace_back();
         for (int i = 0; i < e.individuals; ++i) {
             Tree tree;
             try {
@@ -256,60 +285,52 @@ private:
             std::erase_if(prototype.meshes, [](const Mesh& m) { return m.indices.empty(); });
             prototype = decimate(prototype, e.keep);
             prototype.closed = isClosed(prototype);
-            prototypes_.back().push_back(uint32_t(scene_.prototypes.size()));
+            const glm::vec3 half = prototype.box().halfSize();
+            e.stand.individuals.push_back(uint32_t(scene_.prototypes.size()));
+            e.stand.crownRadii.push_back(0.5 * double(half.x + half.y));
             scene_.prototypes.push_back(std::move(prototype));
         }
     }
 
+    void readClearings() {
+        for (base::ConfigTable& t : t_.tables("clearing")) {
+            const std::vector<double> centre = t.numbers("centre", 2);
+            clearings_.emplace_back(centre[0], centre[1], t.number("radius", 10, 0, 1e6));
+            t.finish();
+        }
+    }
+
     void placeTrees() {
-        for (size_t k = 0; k < species_.size(); ++k)
-            if (const std::optional<glm::dvec2> p = species_[k].first.position)
-                scene_.instances.push_back({.translation = glm::vec3(p->x, p->y, ground_->height(p->x, p->y)), .prototype = prototypes_[k][0]});
-        double shares = 0;
-        for (const auto& [entry, line] : species_) shares += entry.position ? 0 : entry.share;
-        std::vector<double> due(species_.size(), 0), radii;
-        std::vector<Instance> trees;
-        std::vector<double> crownRadius(scene_.prototypes.size());
-        for (size_t i = 0; i < scene_.prototypes.size(); ++i) {
-            const glm::vec3 half = scene_.prototypes[i].box().halfSize();
-            crownRadius[i] = 0.5 * double(half.x + half.y);
+        std::vector<Stand> stands;
+        for (const auto& [entry, line] : species_) {
+            if (const std::optional<glm::dvec2> p = entry.position)
+                scene_.instances.push_back({.translation = glm::vec3(p->x, p->y, height_(*p)), .prototype = entry.stand.individuals[0]});
+            else
+                stands.push_back(entry.stand);
         }
-        for (size_t i = 0; i < trees_; ++i) {
-            // Largest remainder: after n trees every species has its share to within one tree.
-            for (size_t k = 0; k < due.size(); ++k) due[k] += species_[k].first.position ? -1 : species_[k].first.share / shares;
-            const auto k = size_t(std::max_element(due.begin(), due.end()) - due.begin());
-            due[k] -= 1;
-            base::Random random(seed_, i, kPlacementPurpose);
-            Instance tree;
-            const std::vector<uint32_t>& individuals = prototypes_[k];
-            tree.prototype = individuals[size_t(random.next() * float(individuals.size()))];
-            tree.yaw = float(2 * base::det::kPi * random.next());
-            const glm::dvec2 range = species_[k].first.scale;
-            tree.scale = float(range.x + (range.y - range.x) * random.next());
-            trees.push_back(tree);
-            radii.push_back(spacing_ * crownRadius[tree.prototype] * tree.scale);
-        }
-        if (trees.empty()) return;
-        const auto allowed = [&](const glm::dvec2& p) { return !way_ || way_->distance(p) >= 0.5 * path_.width; };
-        const double half = 0.48 * groundSize_;
-        const std::vector<glm::dvec2> places = poissonDisks(radii, half, seed_, allowed);
-        for (size_t i = 0; i < trees.size(); ++i) {
-            trees[i].translation = glm::vec3(glm::dvec3(places[i], ground_->height(places[i].x, places[i].y)));
-            scene_.instances.push_back(trees[i]);
-        }
+        if (stands.empty()) return;
+        Site site{0.48 * groundSize_, height_, slope_, [this](const glm::dvec2& p) {
+                      if (way_ && way_->distance(p) < 0.5 * path_.width) return false;
+                      return std::none_of(clearings_.begin(), clearings_.end(), [&](const glm::dvec3& c) { return glm::distance(glm::dvec2(c), p) < c.z; });
+                  }};
+        const std::vector<Instance> trees = plantForest(trees_, spacing_, crowding_, seed_, stands, site);
+        scene_.instances.insert(scene_.instances.end(), trees.begin(), trees.end());
     }
 
     base::ConfigTable& t_;
     Scene scene_;
     uint64_t seed_ = 1;
+    double area_ = 1;  ///< the recipe's scale
     double groundSize_ = 0, spacing_ = 1;
-    std::optional<Ground> ground_;
+    std::function<double(const glm::dvec2&)> height_, slope_;  ///< of the ground or the terrain; empty without
+    std::optional<Terrain> terrain_;
+    std::vector<glm::dvec3> clearings_;  ///< centre x, y, radius
+    Crowding crowding_ = Crowding::shrink;
     std::optional<City> city_;
     std::optional<Path> way_;
     PathEntry path_;
     std::set<std::string> viewNames_;
     std::vector<std::pair<SpeciesEntry, std::unique_ptr<base::ConfigTable>>> species_;
-    std::vector<std::vector<uint32_t>> prototypes_;  // of each species, its individuals
     size_t trees_ = 0;
 };
 

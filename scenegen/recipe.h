@@ -16,10 +16,16 @@ namespace dapple::scenegen {
 ///     trees = 105                  # over all species; required with [[species]]
 ///     spacing = 1.0                # crown radii that a tree keeps to its neighbours, where there is room
 ///     [sun]         azimuth, elevation (degrees)
+///     scale = 1                    # multiplies the area of the ground and the number of trees
+///     selfThinning = false         # true: trees stand where they were sown, and the smaller of two that meet dies
 ///     [ground]      size (m), undulation (m), cells, albedo; no table: no ground
+///     [terrain]     size (m), cells, relief (m), wavelength (m), octaves, gain, lacunarity, droplets (of erosion), or
+///                   file (.png, .exr, .npz), spacing (m), vertical (m per unit); tiles, detail (m), skirt (m), albedo
+///     [[clearing]]  centre = [x, y], radius: no tree stands there
 ///     [[species]]   name, share, individuals, leaves = "polygon" | "card" | "solid", scale = [lo, hi],
 ///                   triangles (budget; solid leaves count as polygons), lod = 0 | 1 | 2 (sets the species' own budget),
-///                   keep (share that decimation leaves), position = [x, y] (one tree, which is not scattered)
+///                   keep (share that decimation leaves), altitude = [lo, hi] (m) and slope (degrees) where it grows,
+///                   position = [x, y] (one tree, which is not scattered)
 ///     [[primitive]] kind = "box" | "sphere" | "slab", position (centre), size (box, slab) or radius (sphere), albedo
 ///     [city]        style = "vienna" | "manhattan", scale (of the area), trees (triangles each), views, fovY
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of

@@ -25,7 +25,7 @@ glm::vec3 HeightField::normal(int i, int j) const {
 double HeightField::slope(double px, double py) const {
     const double h = spacing / 2;
     const double dx = height(px + h, py) - height(px - h, py), dy = height(px, py + h) - height(px, py - h);
-    return glm::degrees(std::atan(std::sqrt(dx * dx + dy * dy) / spacing));
+    return std::sqrt(dx * dx + dy * dy) / spacing;
 }
 
 void HeightField::stretch(double relief) {

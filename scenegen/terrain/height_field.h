@@ -21,7 +21,7 @@ struct HeightField {
     double height(double x, double y) const;
     /// Of the surface at a sample, from central differences; unit, upwards.
     glm::vec3 normal(int i, int j) const;
-    /// Degrees from the horizontal, over the cell at (x, y).
+    /// Rise over run, across one cell about (x, y).
     double slope(double x, double y) const;
     /// Stretches the heights to run from 0 to `relief` metres.
     void stretch(double relief);

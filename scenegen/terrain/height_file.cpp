@@ -84,6 +84,7 @@ base::ImageF readNpz(std::string_view zip) {
             packed = number<uint64_t>(zip, at + 30 + *nameLength + 12).value_or(0);
         }
         if (begin > zip.size() || packed > zip.size() - begin) throw std::runtime_error("truncated");
+        if (size > (1u << 30)) throw std::runtime_error("an array of more than 1 GiB");
         std::string entry(zip.substr(begin, packed));
         if (method == 8) entry = base::inflate(entry, size);
         else if (method != 0) throw std::runtime_error("packed with a method that is not read");

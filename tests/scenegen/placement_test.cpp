@@ -13,7 +13,7 @@ TEST(Poisson, disksKeepTheirDistanceWithinTheSquare) {
         dapple::base::Random random(seed, 0, 0);
         std::vector<double> radii;
         for (int i = 0; i < 300; ++i) radii.push_back(random.next(0.5f, 2.0f));
-        const std::vector<glm::dvec2> p = poissonDisks(radii, 60, seed, [](const glm::dvec2& q) { return std::abs(q.x) > 3; });
+        const std::vector<glm::dvec2> p = poissonDisks(radii, 60, seed, Crowding::shrink, [](size_t, const glm::dvec2& q) { return std::abs(q.x) > 3; }).points;
         ASSERT_EQ(p.size(), radii.size());
         for (size_t i = 0; i < p.size(); ++i) {
             EXPECT_LE(std::max(std::abs(p[i].x), std::abs(p[i].y)), 60);
@@ -25,12 +25,38 @@ TEST(Poisson, disksKeepTheirDistanceWithinTheSquare) {
 
 TEST(Poisson, crowdedDisksMoveCloserTogetherAndAtLastAreRefused) {
     const std::vector<double> crowded(400, 1.0), hopeless(400, 10.0);
-    const auto anywhere = [](const glm::dvec2&) { return true; };
-    const std::vector<glm::dvec2> p = poissonDisks(crowded, 16, 1, anywhere);
+    const auto anywhere = [](size_t, const glm::dvec2&) { return true; };
+    const std::vector<glm::dvec2> p = poissonDisks(crowded, 16, 1, Crowding::shrink, anywhere).points;
     for (size_t i = 0; i < p.size(); ++i)
         for (size_t j = 0; j < i; ++j) EXPECT_GE(glm::distance(p[i], p[j]), 0.4);
-    EXPECT_THROW(poissonDisks(hopeless, 16, 1, anywhere), dapple::base::UsageError);
-    EXPECT_THROW(poissonDisks(crowded, 16, 1, [](const glm::dvec2&) { return false; }), dapple::base::UsageError);
+    EXPECT_THROW(poissonDisks(hopeless, 16, 1, Crowding::shrink, anywhere), dapple::base::UsageError);
+    EXPECT_THROW(poissonDisks(crowded, 16, 1, Crowding::shrink, [](size_t, const glm::dvec2&) { return false; }), dapple::base::UsageError);
+}
+
+// Oracle: brute force over all pairs. A disk dies if and only if a larger one that stands is within reach of its place.
+TEST(Poisson, thinnedDisksDieOnlyOfALargerNeighbour) {
+    dapple::base::Random random(3, 0, 0);
+    std::vector<double> radii;
+    for (int i = 0; i < 600; ++i) radii.push_back(random.next(0.5f, 2.5f));
+    const auto anywhere = [](size_t, const glm::dvec2&) { return true; };
+    const Disks thinned = poissonDisks(radii, 30, 7, Crowding::thin, anywhere);
+    EXPECT_LT(thinned.kept.size(), radii.size());
+    EXPECT_GT(thinned.kept.size(), 100u);
+    EXPECT_TRUE(std::is_sorted(thinned.kept.begin(), thinned.kept.end()));
+    for (size_t i = 0; i < thinned.kept.size(); ++i)
+        for (size_t j = 0; j < i; ++j) EXPECT_GE(glm::distance(thinned.points[i], thinned.points[j]), radii[thinned.kept[i]] + radii[thinned.kept[j]]);
+    for (uint32_t i = 0; i < radii.size(); ++i) {
+        if (std::binary_search(thinned.kept.begin(), thinned.kept.end(), i)) continue;
+        std::vector<double> nowhereToHide(radii);  // alone, it stands where it was sown
+        for (uint32_t j = 0; j < radii.size(); ++j)
+            if (j != i) nowhereToHide[j] = 0;
+        const Disks alone = poissonDisks(nowhereToHide, 30, 7, Crowding::thin, [i](size_t k, const glm::dvec2&) { return k == i; });
+        ASSERT_EQ(alone.kept, std::vector<uint32_t>{i});
+        bool killed = false;
+        for (size_t k = 0; k < thinned.kept.size(); ++k)
+            killed |= radii[thinned.kept[k]] >= radii[i] && glm::distance(thinned.points[k], alone.points[0]) < radii[i] + radii[thinned.kept[k]];
+        EXPECT_TRUE(killed) << i;
+    }
 }
 
 TEST(Path, distanceIsALowerBound) {

@@ -1,0 +1,97 @@
+#include "scenegen/terrain/terrain.h"
+
+#include "base/error.h"
+#include "scenegen/lod/connectivity.h"
+#include "scenegen/terrain/height_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dapple::scenegen {
+namespace {
+
+constexpr int kCoarsest = 8;  // samples per step at the lowest level of detail
+
+/// The middle of the field, so large that every tile has a multiple of kCoarsest cells.
+HeightField cropped(const HeightField& field, int tiles) {
+    const int unit = tiles * kCoarsest, columns = (field.columns - 1) / unit * unit + 1, rows = (field.rows - 1) / unit * unit + 1;
+    const int left = (field.columns - columns) / 2, below = (field.rows - rows) / 2;
+    HeightField result{columns, rows, field.spacing, std::vector<float>(size_t(columns) * size_t(rows))};
+    for (int j = 0; j < rows; ++j)
+        for (int i = 0; i < columns; ++i) result.at(i, j) = field.at(left + i, below + j);
+    return result;
+}
+
+HeightField grow(base::ConfigTable& t, uint64_t seed, double area) {
+    const double side = std::sqrt(area), size = t.number("size", 1000, 1, 1e6) * side, relief = t.number("relief", 60, 0, 1e5);
+    const int cells = int(std::lround(double(t.integer("cells", 256, kCoarsest, 16384)) * side));
+    FbmOptions fbm;
+    fbm.wavelength = t.number("wavelength", 400, 1e-3, 1e6);
+    fbm.octaves = int(t.integer("octaves", fbm.octaves, 1, 16));
+    fbm.gain = t.number("gain", fbm.gain, 0, 1);
+    fbm.lacunarity = t.number("lacunarity", fbm.lacunarity, 1, 8);
+    fbm.seed = seed;
+    const auto droplets = size_t(double(t.integer("droplets", 0, 0, 100'000'000)) * area);
+    HeightField field{cells + 1, cells + 1, size / cells, std::vector<float>(size_t(cells + 1) * size_t(cells + 1))};
+    addFbm(field, fbm);
+    field.stretch(relief);
+    erode(field, droplets, seed);
+    field.stretch(relief);
+    return field;
+}
+
+}  // namespace
+
+Terrain readTerrain(base::ConfigTable& t, uint64_t seed, double area) {
+    Terrain terrain;
+    terrain.tiles = int(t.integer("tiles", terrain.tiles, 1, 256));
+    terrain.detail = t.number("detail", terrain.detail, 0, 1e9);
+    terrain.skirt = t.number("skirt", terrain.skirt, 1e-3, 1e5);
+    if (t.has("albedo")) {
+        const std::vector<double> a = t.numbers("albedo", 3);
+        if (*std::min_element(a.begin(), a.end()) < 0 || *std::max_element(a.begin(), a.end()) > 1) t.fail("albedo", "an albedo lies between 0 and 1");
+        terrain.albedo = {a[0], a[1], a[2]};
+    }
+    HeightField field;
+    if (t.has("file")) {
+        const double spacing = t.number("spacing", 1, 1e-6, 1e6), vertical = t.number("vertical", 1, -1e6, 1e6);
+        field = readHeights(t.text("file"), spacing, vertical);
+    } else {
+        field = grow(t, seed, area);
+    }
+    t.finish();
+    if (std::min(field.columns, field.rows) - 1 < terrain.tiles * kCoarsest)
+        t.fail("tiles", fmt::format("{} × {} samples are too few for {} tiles of at least {} cells a side", field.columns, field.rows, terrain.tiles, kCoarsest));
+    terrain.field = cropped(field, terrain.tiles);
+    return terrain;
+}
+
+void addTerrain(Scene& scene, const Terrain& terrain) {
+    const HeightField& field = terrain.field;
+    const auto material = uint32_t(scene.materials.size());
+    scene.materials.push_back({.name = "terrain", .albedo = terrain.albedo, .doubleSided = false});
+    const int wide = (field.columns - 1) / terrain.tiles, deep = (field.rows - 1) / terrain.tiles;
+    for (int row = 0; row < terrain.tiles; ++row)
+        for (int column = 0; column < terrain.tiles; ++column) {
+            const int i0 = column * wide, j0 = row * deep;
+            const glm::dvec2 lo(field.x(i0), field.y(j0)), hi(field.x(i0 + wide), field.y(j0 + deep));
+            double distance = 1e300;
+            for (const View& view : scene.views) {
+                const glm::dvec2 eye(view.eye);
+                distance = std::min(distance, glm::distance(eye, glm::clamp(eye, lo, hi)));
+            }
+            int step = 1;
+            for (double reach = terrain.detail; reach > 0 && distance > reach && step < kCoarsest; reach *= 2) step *= 2;
+            glm::dvec2 centre(0);
+            Mesh mesh = terrainTile(field, i0, j0, i0 + wide, j0 + deep, step, terrain.skirt, centre);
+            mesh.material = material;
+            Prototype prototype{fmt::format("terrain {} {}", column, row), {std::move(mesh)}, true, false};
+            prototype.closed = isClosed(prototype);
+            scene.prototypes.push_back(std::move(prototype));
+            scene.instances.push_back({.translation = glm::vec3(centre, 0), .prototype = uint32_t(scene.prototypes.size() - 1)});
+        }
+}
+
+}  // namespace dapple::scenegen
