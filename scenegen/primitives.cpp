@@ -1,5 +1,11 @@
 #include "scenegen/primitives.h"
 
+#include "base/detmath.h"
+#include "base/random.h"
+#include "scenegen/lod/connectivity.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -51,6 +57,66 @@ Mesh sphereMesh(float radius, int refine) {
         mesh.normals.emplace_back(p);
     }
     return mesh;
+}
+
+Mesh sliverMesh(const glm::vec3& size, size_t count, uint64_t seed) {
+    Mesh mesh;
+    base::Random random(seed, 0, 0x736c69766572);
+    for (size_t i = 0; i < count; ++i) {
+        const glm::vec3 a = size * glm::vec3{random.next() - 0.5f, random.next() - 0.5f, random.next() - 0.5f};
+        const glm::vec3 b = size * glm::vec3{random.next() - 0.5f, random.next() - 0.5f, random.next() - 0.5f};
+        const glm::vec3 third = i % 3 == 0 ? a : i % 3 == 1 ? b : 0.5f * (a + b), second = i % 3 == 0 ? a : b;
+        for (const glm::vec3& p : {a, second, third}) {
+            mesh.indices.push_back(uint32_t(mesh.positions.size()));
+            mesh.positions.push_back(p);
+            mesh.normals.emplace_back(0, 0, 1);
+        }
+    }
+    return mesh;
+}
+
+glm::vec3 readAlbedo(base::ConfigTable& table, const glm::vec3& fallback) {
+    if (!table.has("albedo")) return fallback;
+    const std::vector<double> a = table.numbers("albedo", 3);
+    for (const double v : a)
+        if (v < 0 || v > 1) table.fail("albedo", "an albedo lies between 0 and 1");
+    return {a[0], a[1], a[2]};
+}
+
+void addPrimitive(Scene& scene, base::ConfigTable& t, uint64_t seed) {
+    const auto vec3 = [&](const char* key) {
+        const std::vector<double> v = t.numbers(key, 3);
+        return glm::dvec3(v[0], v[1], v[2]);
+    };
+    const std::string kind = t.text("kind");
+    const glm::vec3 position(vec3("position"));
+    Mesh mesh;
+    if (kind == "box" || kind == "slab" || kind == "slivers") {
+        const glm::dvec3 size = vec3("size");
+        if (!(size.x > 0 && size.y > 0 && size.z > 0)) t.fail("size", "must be above 0");
+        mesh = kind == "slivers" ? sliverMesh(glm::vec3(size), size_t(t.integer("triangles", 1000, 1, 10'000'000)), seed) : boxMesh(glm::vec3(size));
+    } else if (kind == "sphere") {
+        const double radius = t.number("radius", 1, 1e-6, 1e6);
+        mesh = sphereMesh(float(radius), int(t.integer("refine", 5, 0, 7)));
+    } else {
+        t.fail("kind", fmt::format("'{}' is none of box, sphere, slab, slivers", kind));
+    }
+    const auto copies = size_t(t.integer("copies", 1, 1, 100'000'000));
+    const double scatter = t.number("scatter", 0, 0, 1e6);
+    const bool turned = t.boolean("turned", false);
+    mesh.material = uint32_t(scene.materials.size());
+    scene.materials.push_back({.name = kind, .albedo = readAlbedo(t, {0.6f, 0.55f, 0.5f}), .doubleSided = kind == "slivers"});
+    t.finish();
+
+    Prototype prototype{kind, {std::move(mesh)}, true, false};
+    prototype.closed = isClosed(prototype);
+    scene.prototypes.push_back(std::move(prototype));
+    for (size_t i = 0; i < copies; ++i) {
+        base::Random random(seed, i, 0x636f7079);
+        const glm::dvec2 offset = scatter * (2.0 * glm::dvec2{random.next(), random.next()} - 1.0);
+        const float yaw = turned ? float(2 * base::det::kPi * random.next()) : 0.0f;
+        scene.instances.push_back({.translation = glm::vec3(glm::dvec3(position) + glm::dvec3(offset, 0)), .yaw = yaw, .prototype = uint32_t(scene.prototypes.size() - 1)});
+    }
 }
 
 }  // namespace dapple::scenegen

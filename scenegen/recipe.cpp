@@ -57,7 +57,8 @@ public:
         readSun();
         readGround();
         readClearings();
-        readPrimitives();
+        uint64_t index = 0;
+        for (base::ConfigTable& t : t_.tables("primitive")) addPrimitive(scene_, t, base::mix64(seed_ + index++));
         if (std::optional<base::ConfigTable> t = t_.table("city")) city_ = readCity(*t);
         readPath();
         readSpecies();
@@ -75,14 +76,6 @@ private:
     static glm::dvec3 vec3(base::ConfigTable& t, const char* key) {
         const std::vector<double> v = t.numbers(key, 3);
         return {v[0], v[1], v[2]};
-    }
-
-    static glm::vec3 albedo(base::ConfigTable& t, const glm::vec3& fallback) {
-        if (!t.has("albedo")) return fallback;
-        const glm::vec3 a(vec3(t, "albedo"));
-        for (int i = 0; i < 3; ++i)
-            if (a[i] < 0 || a[i] > 1) t.fail("albedo", "an albedo lies between 0 and 1");
-        return a;
     }
 
     uint32_t addMaterial(Material material) {
@@ -112,11 +105,11 @@ private:
         if (!t) return;
         GroundOptions options;
         const double side = std::sqrt(area_);
-        options.size = t->number("size", options.size, 0.1, 100'000) * side;
+        options.size = t->number("size", options.size, 1e-4, 1e6) * side;
         options.undulation = t->number("undulation", 0, 0, 100);
         options.cells = std::max(1, int(std::lround(double(t->integer("cells", options.cells, 1, 2000)) * side)));
         options.seed = seed_;
-        const glm::vec3 colour = albedo(*t, {0.20f, 0.17f, 0.10f});
+        const glm::vec3 colour = readAlbedo(*t, {0.20f, 0.17f, 0.10f});
         t->finish();
         groundSize_ = options.size;
         const Ground ground(options);
@@ -127,35 +120,8 @@ private:
         };
         Mesh mesh = ground.mesh();
         mesh.material = addMaterial({.name = "ground", .albedo = colour, .doubleSided = false});
-        addInstanced("ground", std::move(mesh), glm::vec3(0), false);
-    }
-
-    void addInstanced(const std::string& name, Mesh mesh, const glm::vec3& position, bool casts) {
-        Prototype prototype{name, {std::move(mesh)}, casts, false};
-        prototype.closed = isClosed(prototype);
-        scene_.prototypes.push_back(std::move(prototype));
-        scene_.instances.push_back({.translation = position, .prototype = uint32_t(scene_.prototypes.size() - 1)});
-    }
-
-    void readPrimitives() {
-        for (base::ConfigTable& t : t_.tables("primitive")) {
-            const std::string kind = t.text("kind");
-            const glm::vec3 position(vec3(t, "position"));
-            Mesh mesh;
-            if (kind == "box" || kind == "slab") {
-                const glm::dvec3 size = vec3(t, "size");
-                if (!(size.x > 0 && size.y > 0 && size.z > 0)) t.fail("size", "must be above 0");
-                mesh = boxMesh(glm::vec3(size));
-            } else if (kind == "sphere") {
-                const double radius = t.number("radius", 1, 0.001, 10'000);
-                mesh = sphereMesh(float(radius), int(t.integer("refine", 5, 0, 7)));
-            } else {
-                t.fail("kind", fmt::format("'{}' is none of box, sphere, slab", kind));
-            }
-            mesh.material = addMaterial({.name = kind, .albedo = albedo(t, {0.6f, 0.55f, 0.5f}), .doubleSided = false});
-            t.finish();
-            addInstanced(kind, std::move(mesh), position, true);
-        }
+        scene_.prototypes.push_back({"ground", {std::move(mesh)}, false, false});
+        scene_.instances.push_back({.prototype = uint32_t(scene_.prototypes.size() - 1)});
     }
 
     static void readLens(base::ConfigTable& t, View& view) {

@@ -26,7 +26,8 @@ namespace dapple::scenegen {
 ///                   triangles (budget; solid leaves count as polygons), lod = 0 | 1 | 2 (sets the species' own budget),
 ///                   keep (share that decimation leaves), altitude = [lo, hi] (m) and slope (degrees) where it grows,
 ///                   position = [x, y] (one tree, which is not scattered)
-///     [[primitive]] kind = "box" | "sphere" | "slab", position (centre), size (box, slab) or radius (sphere), albedo
+///     [[primitive]] kind = "box" | "sphere" | "slab" | "slivers" (triangles without area), position (centre), size or
+///                   radius (sphere), albedo; copies, scatter (m to each side), turned (random yaw)
 ///     [city]        style = "vienna" | "manhattan", scale (of the area), trees (triangles each), views, fovY
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far

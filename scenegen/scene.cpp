@@ -96,6 +96,7 @@ Facts Scene::facts() const {
     }
     f.closed &= f.casters;
     f.receivers = f.triangles > 0;
+    for (const View& v : views) f.depthRange = std::max(f.depthRange, v.far / v.near);
     return f;
 }
 

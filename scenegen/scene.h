@@ -91,6 +91,7 @@ struct Facts {
     bool moving = false;         ///< something is animated
     bool casters = false;        ///< there is at least one casting triangle
     bool receivers = false;      ///< there is at least one triangle
+    double depthRange = 1;       ///< largest far / near of the views
     size_t instances = 0, prototypes = 0, materials = 0;
     size_t triangles = 0;        ///< over all instances
     size_t uniqueTriangles = 0;  ///< over the prototypes

@@ -1,7 +1,7 @@
 #include "scenegen/terrain/terrain.h"
 
-#include "base/error.h"
 #include "scenegen/lod/connectivity.h"
+#include "scenegen/primitives.h"
 #include "scenegen/terrain/height_file.h"
 
 #include <fmt/format.h>
@@ -49,11 +49,7 @@ Terrain readTerrain(base::ConfigTable& t, uint64_t seed, double area) {
     terrain.tiles = int(t.integer("tiles", terrain.tiles, 1, 256));
     terrain.detail = t.number("detail", terrain.detail, 0, 1e9);
     terrain.skirt = t.number("skirt", terrain.skirt, 1e-3, 1e5);
-    if (t.has("albedo")) {
-        const std::vector<double> a = t.numbers("albedo", 3);
-        if (*std::min_element(a.begin(), a.end()) < 0 || *std::max_element(a.begin(), a.end()) > 1) t.fail("albedo", "an albedo lies between 0 and 1");
-        terrain.albedo = {a[0], a[1], a[2]};
-    }
+    terrain.albedo = readAlbedo(t, terrain.albedo);
     HeightField field;
     if (t.has("file")) {
         const double spacing = t.number("spacing", 1, 1e-6, 1e6), vertical = t.number("vertical", 1, -1e6, 1e6);
