@@ -23,7 +23,7 @@ struct City {
 City readCity(base::ConfigTable& table);
 
 /// Adds ground, streets, buildings and furniture about the scene's origin, and the views: walk0 … and above.
-/// vienna at scale 1: 1.1 km², perimeter blocks with courtyards; manhattan: 2.9 km², towers on a grid.
+/// vienna at scale 1: 0.9 km², perimeter blocks with courtyards; manhattan: 7.7 km², towers on a grid.
 void addCity(Scene& scene, const City& city, uint64_t seed);
 
 }  // namespace dapple::scenegen

@@ -28,8 +28,8 @@ void addViews(Scene& scene, const Plan& plan, int count, double fovY) {
         scene.views.push_back(view);
     }
     const double reach = 0.5 * extent.length();
-    View above{.name = "above", .eye = glm::dvec3(-0.9, -0.95, 0.75) * reach, .fovY = fovY};
-    above.forward = glm::normalize(glm::dvec3(-0.05 * reach, -0.1 * reach, 0) - above.eye);
+    View above{.name = "above", .eye = glm::dvec3(-0.62, -0.7, 0.42) * reach, .fovY = fovY};
+    above.forward = glm::normalize(glm::dvec3(-0.1 * reach, -0.15 * reach, 0) - above.eye);
     above.near = 1, above.far = 5 * reach + 300;
     scene.views.push_back(above);
 }
