@@ -19,7 +19,8 @@ namespace dapple::scenegen {
 ///     [ground]      size (m), undulation (m), cells, albedo; no table: no ground
 ///     [[species]]   name, share, individuals, triangles, leaves = "polygon" | "card", lod, scale = [lo, hi]
 ///     [[primitive]] kind = "box" | "sphere" | "slab", position (centre), size (box, slab) or radius (sphere), albedo
-///     [city]        style = "vienna" | "manhattan", scale (of the area), trees (triangles each), views, fovY
+///     [city]        style = "vienna" | "manhattan", scale (of the area), trees (triangles each), views, fovY; or
+///                   footprints = "FILE.geojson", projected, views, fovY
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far
 ///

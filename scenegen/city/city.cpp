@@ -1,7 +1,9 @@
 #include "scenegen/city/city.h"
 
+#include "base/file.h"
 #include "base/random.h"
 #include "scenegen/city/assembly.h"
+#include "scenegen/city/footprints.h"
 #include "scenegen/city/furniture.h"
 #include "scenegen/city/house.h"
 #include "scenegen/city/tower.h"
@@ -34,13 +36,6 @@ constexpr Colour kTowerWalls[] = {{"brick red", {0.28f, 0.105f, 0.07f}}, {"brick
                                   {"limestone", {0.52f, 0.48f, 0.40f}}, {"limestone grey", {0.42f, 0.41f, 0.38f}}, {"limestone warm", {0.50f, 0.43f, 0.34f}},
                                   {"concrete", {0.36f, 0.36f, 0.35f}}, {"concrete white", {0.56f, 0.55f, 0.52f}}, {"concrete dark", {0.22f, 0.22f, 0.22f}},
                                   {"mullions dark", {0.07f, 0.075f, 0.08f}}, {"mullions bronze", {0.14f, 0.10f, 0.07f}}, {"mullions steel", {0.34f, 0.36f, 0.38f}}};
-
-void append(Mesh& to, const Mesh& mesh) {
-    const auto base = uint32_t(to.positions.size());
-    to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
-    to.normals.insert(to.normals.end(), mesh.normals.begin(), mesh.normals.end());
-    for (const uint32_t i : mesh.indices) to.indices.push_back(base + i);
-}
 
 class CityBuilder {
 public:
@@ -230,6 +225,14 @@ private:
 
 City readCity(base::ConfigTable& table) {
     City city;
+    city.footprints = table.text("footprints", "");
+    if (!city.footprints.empty()) {
+        city.projected = table.boolean("projected", false);
+        city.views = int(table.integer("views", 6, 1, 60));
+        city.fovY = table.number("fovY", 60, 1, 170);
+        table.finish();
+        return city;
+    }
     const std::string style = table.text("style", "vienna");
     if (style != "vienna" && style != "manhattan") table.fail("style", fmt::format("'{}' is none of vienna, manhattan", style));
     city.style = style == "vienna" ? Style::vienna : Style::manhattan;
@@ -241,6 +244,9 @@ City readCity(base::ConfigTable& table) {
     return city;
 }
 
-void addCity(Scene& scene, const City& city, uint64_t seed) { CityBuilder(scene, city, seed).build(); }
+void addCity(Scene& scene, const City& city, uint64_t seed) {
+    if (city.footprints.empty()) return CityBuilder(scene, city, seed).build();
+    addFootprints(scene, parseFootprints(base::readFile(city.footprints), city.footprints, city.projected), city.views, city.fovY, seed);
+}
 
 }  // namespace dapple::scenegen

@@ -49,7 +49,8 @@ public:
         Region city;  // regular 16-gon: its area is 16/2 · sin(22.5°) · r² = 3.0615 r²
         for (int i = 0; i < 16; ++i) city.corners.push_back(radius_ * onCircle((i + 0.5) / 16));
         for (size_t i = 0; i < 16; ++i) city.labels.push_back(street(city.corners[i], city.next(i), 18));
-        for (const Region& cell : districts(city)) halve(cell, 1, {});
+        uint64_t id = 16;  // at most nine: no district's cells have another's names
+        for (const Region& cell : districts(city)) halve(cell, id++, {});
         for (glm::dvec2& p : city.corners) p *= 1 + 12 / radius_;
         plan_.ground = city;
         return std::move(plan_);
