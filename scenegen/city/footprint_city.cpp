@@ -16,17 +16,17 @@
 namespace dapple::scenegen::city {
 namespace {
 
-constexpr double kCell = 150;  // metres: what is culled together
+constexpr double kCell = 250;  // metres: what is culled together
 constexpr uint64_t kViewPurpose = 0x76696577, kColourPurpose = 0x636f6c;
 constexpr glm::vec3 kWalls[] = {{0.50f, 0.46f, 0.38f}, {0.56f, 0.53f, 0.48f}, {0.42f, 0.40f, 0.37f}, {0.45f, 0.33f, 0.24f}, {0.58f, 0.50f, 0.36f}, {0.35f, 0.36f, 0.37f}};
 
-/// Corners moved kJoint inwards along both edges.
-Ring withJoint(const Ring& ring) {
+/// Corners moved inwards from both edges.
+Ring withJoint(const Ring& ring, double joint) {
     Ring out;
     for (size_t i = 0; i < ring.size(); ++i) {
         const glm::dvec2 a = glm::normalize(ring[i] - ring[(i + ring.size() - 1) % ring.size()]), b = glm::normalize(ring[(i + 1) % ring.size()] - ring[i]);
         const glm::dvec2 na{-a.y, a.x}, nb{-b.y, b.x};
-        out.push_back(ring[i] + kJoint * (na + nb) / std::max(0.2, 1 + glm::dot(na, nb)));
+        out.push_back(ring[i] + joint * (na + nb) / std::max(0.2, 1 + glm::dot(na, nb)));
     }
     return out;
 }
@@ -45,11 +45,63 @@ double sight(const std::vector<const Footprint*>& near, const glm::dvec2& p, con
     return limit;
 }
 
+/// By (x, y) in cells.
+using Cells = std::map<std::pair<int, int>, std::vector<const Footprint*>>;
+
+/// Of many spots in the open those among the most and the highest buildings, looking where one sees farthest; and
+/// `above`, from the south-west over the middle of all built volume.
+void addViews(Scene& scene, const Cells& cells, const glm::dvec2& half, int views, double fovY, uint64_t seed) {
+    glm::dvec3 middle(0);
+    double mass = 0;
+    for (const auto& [at, buildings] : cells)
+        for (const Footprint* f : buildings) {
+            const double volume = f->height * twiceArea(f->rings[0]);
+            middle += volume * glm::dvec3(f->rings[0][0], 0.5 * f->height), mass += volume;
+        }
+    middle /= mass;
+    const double reach = std::min(1200.0, std::max(half.x, half.y));
+    std::vector<std::pair<double, View>> spots;
+    for (uint64_t i = 0; i < 200; ++i) {
+        const base::Random random(seed, i, kViewPurpose);
+        const glm::dvec2 p = glm::dvec2(middle) + 1.6 * reach * glm::dvec2(random.uniform(0) - 0.5, random.uniform(1) - 0.5);
+        std::vector<const Footprint*> near;
+        for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x)
+                if (const auto cell = cells.find({int(std::floor(p.x / kCell)) + x, int(std::floor(p.y / kCell)) + y}); cell != cells.end()) near.insert(near.end(), cell->second.begin(), cell->second.end());
+        bool inside = false;
+        double built = 0;
+        for (const Footprint* f : near) {
+            inside = inside || contains(f->rings[0], p);
+            if (glm::distance(f->rings[0][0], p) < 120) built += f->height;
+        }
+        if (inside) continue;
+        glm::dvec2 best(1, 0);
+        double longest = 0, nearest = kCell;
+        for (int k = 0; k < 16; ++k) {
+            const base::det::SinCos a = base::det::sinCos(base::det::kPi * k / 8);
+            const double d = sight(near, p, {a.cos, a.sin}, kCell);
+            nearest = std::min(nearest, d);
+            if (d > longest && d < kCell) longest = d, best = {a.cos, a.sin};
+        }
+        if (nearest < 2.5) continue;
+        View view{.name = "", .eye = {p, 1.7}, .forward = glm::normalize(glm::dvec3(best, 0.1)), .fovY = fovY, .near = 0.3, .far = std::max(400.0, reach)};
+        spots.emplace_back(built, view);
+    }
+    std::stable_sort(spots.begin(), spots.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (int i = 0; i < std::min(views, int(spots.size())); ++i) {
+        spots[size_t(i)].second.name = fmt::format("walk{}", i);
+        scene.views.push_back(spots[size_t(i)].second);
+    }
+    View above{.name = "above", .eye = middle + glm::dvec3(-0.75, -0.85, 0.55) * reach, .fovY = fovY, .near = 1, .far = 6 * reach};
+    above.forward = glm::normalize(middle - above.eye);
+    scene.views.push_back(above);
+}
+
 }  // namespace
 
-Mesh footprintPrism(const Footprint& footprint) {
+Mesh footprintPrism(const Footprint& footprint, double joint) {
     std::vector<Ring> rings;
-    for (const Ring& ring : footprint.rings) rings.push_back(withJoint(ring));
+    for (const Ring& ring : footprint.rings) rings.push_back(withJoint(ring, joint));
     const std::vector<std::array<uint32_t, 3>> triangles = triangulate(rings);
     Mesh mesh;
     if (triangles.empty()) return mesh;
@@ -73,11 +125,9 @@ Mesh footprintPrism(const Footprint& footprint) {
 
 void addFootprints(Scene& scene, const Footprints& footprints, int views, double fovY, uint64_t seed) {
     glm::dvec2 half(0);
-    double highest = 0;
-    std::map<std::pair<int, int>, std::vector<const Footprint*>> cells;
+    Cells cells;
     for (const Footprint& f : footprints.buildings) {
         for (const glm::dvec2& p : f.rings[0]) half = glm::max(half, glm::abs(p));
-        highest = std::max(highest, f.height);
         cells[{int(std::floor(f.rings[0][0].x / kCell)), int(std::floor(f.rings[0][0].y / kCell))}].push_back(&f);
     }
     Mesh ground;
@@ -97,10 +147,10 @@ void addFootprints(Scene& scene, const Footprints& footprints, int views, double
             Footprint local = *building;
             for (Ring& ring : local.rings)
                 for (glm::dvec2& p : ring) p -= glm::dvec2(corner);
-            const Mesh prism = footprintPrism(local);
+            // Outlines that overlap may share corners too: no two nearby have the same joint.
+            const Mesh prism = footprintPrism(local, kJoint * (1 + 0.1 * double(number % 16)));
             lost += prism.indices.empty();
-            Mesh& mesh = meshes[size_t(base::Random(seed, number++, kColourPurpose).next() * float(walls.size()))];
-            append(mesh, prism);
+            append(meshes[size_t(base::Random(seed, number++, kColourPurpose).next() * float(walls.size()))], prism);
         }
         for (size_t i = 0; i < meshes.size(); ++i) meshes[i].material = walls[i];
         addInstance(scene, addPrototype(scene, fmt::format("buildings {} {}", at.first, at.second), std::move(meshes)), corner, {1, 0});
@@ -108,41 +158,7 @@ void addFootprints(Scene& scene, const Footprints& footprints, int views, double
     if (footprints.refused + lost + footprints.withoutHeight > 0)
         base::logInfo(fmt::format("{} buildings; {} outlines refused; {} without a height stand {} m high", footprints.buildings.size() - lost, footprints.refused + lost, footprints.withoutHeight, kUsualHeight));
 
-    // Views: of many spots in the open, those from which one sees farthest.
-    std::vector<std::pair<double, View>> spots;
-    for (uint64_t i = 0; i < 60; ++i) {
-        const base::Random random(seed, i, kViewPurpose);
-        const glm::dvec2 p = half * 1.2 * glm::dvec2(random.uniform(0) - 0.5, random.uniform(1) - 0.5);
-        std::vector<const Footprint*> near;
-        bool inside = false;
-        for (int y = -2; y <= 2; ++y)
-            for (int x = -2; x <= 2; ++x)
-                if (const auto cell = cells.find({int(std::floor(p.x / kCell)) + x, int(std::floor(p.y / kCell)) + y}); cell != cells.end()) near.insert(near.end(), cell->second.begin(), cell->second.end());
-        for (const Footprint* f : near) inside = inside || contains(f->rings[0], p);
-        if (inside) continue;
-        constexpr double kFar = 250;
-        glm::dvec2 best(1, 0);
-        double longest = 0, nearest = kFar, sum = 0;
-        for (int k = 0; k < 16; ++k) {
-            const base::det::SinCos a = base::det::sinCos(base::det::kPi * k / 8);
-            const double d = sight(near, p, {a.cos, a.sin}, kFar);
-            sum += d, nearest = std::min(nearest, d);
-            if (d > longest) longest = d, best = {a.cos, a.sin};
-        }
-        // Street canyons: far along, and walls not far to the side.
-        if (nearest < 2.5) continue;
-        View view{.name = "", .eye = {p, 1.7}, .forward = glm::normalize(glm::dvec3(best, 0.05)), .fovY = fovY, .near = 0.3, .far = std::max(400.0, 2 * std::max(half.x, half.y))};
-        spots.emplace_back(longest - 0.8 * sum / 16, view);
-    }
-    std::stable_sort(spots.begin(), spots.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    for (int i = 0; i < std::min(views, int(spots.size())); ++i) {
-        spots[size_t(i)].second.name = fmt::format("walk{}", i);
-        scene.views.push_back(spots[size_t(i)].second);
-    }
-    const double reach = std::max({half.x, half.y, highest});
-    View above{.name = "above", .eye = glm::dvec3(-0.75, -0.85, 0.5) * reach, .fovY = fovY, .near = 1, .far = 6 * reach + 300};
-    above.forward = glm::normalize(glm::dvec3(-0.1 * reach, -0.15 * reach, 0) - above.eye);
-    scene.views.push_back(above);
+    addViews(scene, cells, half, views, fovY, seed);
 }
 
 }  // namespace dapple::scenegen::city

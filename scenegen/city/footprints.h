@@ -31,11 +31,11 @@ inline constexpr double kUsualHeight = 6.0;  ///< of a building of which the fil
 /// FeatureCollection, no building, a coordinate that is no number or no longitude.
 Footprints parseFootprints(std::string_view json, const std::string& name, bool projected);
 
-/// A closed prism of a footprint, from half a metre below the ground; its walls keep kJoint to the outline, so that no
-/// two neighbours share a corner.
-Mesh footprintPrism(const Footprint& footprint);
+/// A closed prism of a footprint, from half a metre below the ground; its walls keep `joint` metres to the outline, so
+/// that no two neighbours share a corner. Empty if the outline is too thin to be triangulated.
+Mesh footprintPrism(const Footprint& footprint, double joint);
 
-/// Ground, buildings by cells of 150 m, and views: where one looks far along open ground, and `above`.
+/// Ground, buildings by cells of 250 m, and views: walk0 … among the most built, and `above`.
 void addFootprints(Scene& scene, const Footprints& footprints, int views, double fovY, uint64_t seed);
 
 }  // namespace dapple::scenegen::city

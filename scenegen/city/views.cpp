@@ -9,14 +9,19 @@ namespace dapple::scenegen::city {
 
 void addViews(Scene& scene, const Plan& plan, int count, double fovY) {
     const Extent extent = orientedBox(plan.ground);
-    // Streets with houses on both sides first; wide ones and narrow ones in turn.
-    std::vector<Street> streets = plan.streets;
-    std::stable_sort(streets.begin(), streets.end(), [&](const Street& a, const Street& b) {
-        const auto rank = [&](const Street& s) { return std::pair(!plan.ground.contains(0.5 * (s.a + s.b), 40), -glm::distance(s.a, s.b)); };
-        return rank(a) < rank(b);
-    });
+    // Boulevards and narrow streets in turn, long ones with houses on both sides first.
+    std::vector<Street> streets[2];
+    double widest = 0;
+    for (const Street& s : plan.streets) widest = std::max(widest, s.width);
+    for (const Street& s : plan.streets) streets[s.width <= 0.6 * widest].push_back(s);
+    for (std::vector<Street>& some : streets)
+        std::stable_sort(some.begin(), some.end(), [&](const Street& a, const Street& b) {
+            const auto rank = [&](const Street& s) { return std::pair(!plan.ground.contains(0.5 * (s.a + s.b), 40), -glm::distance(s.a, s.b)); };
+            return rank(a) < rank(b);
+        });
     for (int i = 0; i < count; ++i) {
-        Street s = streets[size_t(i) % streets.size()];
+        const std::vector<Street>& some = streets[i % 2 && !streets[1].empty()];
+        Street s = some[size_t(i / 2) % some.size()];
         if (i % 2) std::swap(s.a, s.b);
         const double length = glm::distance(s.a, s.b);
         const glm::dvec2 u = (s.b - s.a) / length;

@@ -78,7 +78,7 @@ TEST(Footprints, prismsAreClosedAndHoldTheirVolume) {
                 std::reverse(hole.begin(), hole.end());
                 f.rings.push_back(hole);
             }
-        const Mesh mesh = footprintPrism(f);
+        const Mesh mesh = footprintPrism(f, 0.002);
         const Connectivity c = connectivity(mesh);
         EXPECT_TRUE(c.closed()) << c.boundary << " open, " << c.nonManifold << " non-manifold, " << c.degenerate << " degenerate";
         EXPECT_NEAR(volume(mesh), area * (f.height + 0.5), 0.01 * area * f.height) << "less the joint of 2 mm";
