@@ -14,7 +14,7 @@ void massing(benchmark::State& state) {
     size_t houses = 0, triangles = 0;
     for (auto _ : state) {
         houses = triangles = 0;
-        const Plan plan = layOut(Style::vienna, 9.3e6, 1);
+        const Plan plan = layOut(Style::vienna, 11.6e6, 1);
         for (size_t b = 0; b < plan.blocks.size(); ++b) {
             const Region& lot = plan.blocks[b].lot;
             Parts parts;
