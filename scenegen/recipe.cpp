@@ -59,7 +59,7 @@ public:
         readClearings();
         uint64_t index = 0;
         for (base::ConfigTable& t : t_.tables("primitive")) addPrimitive(scene_, t, base::mix64(seed_ + index++));
-        if (std::optional<base::ConfigTable> t = t_.table("city")) city_ = readCity(*t);
+        if (std::optional<base::ConfigTable> t = t_.table("city")) city_ = readCity(*t, area_);
         readPath();
         readSpecies();
         t_.finish();

@@ -15,9 +15,9 @@ namespace dapple::scenegen {
 ///     origin = [0, 0, 0]           # metres, Scene::origin
 ///     trees = 105                  # over all species; required with [[species]]
 ///     spacing = 1.0                # crown radii that a tree keeps to its neighbours, where there is room
-///     [sun]         azimuth, elevation (degrees)
-///     scale = 1                    # multiplies the area of the ground and the number of trees
+///     scale = 1                    # multiplies the area of ground or city, and the number of trees
 ///     selfThinning = false         # true: trees stand where they were sown, and the smaller of two that meet dies
+///     [sun]         azimuth, elevation (degrees)
 ///     [ground]      size (m), undulation (m), cells, albedo; no table: no ground
 ///     [terrain]     size (m), cells, relief (m), wavelength (m), octaves, gain, lacunarity, droplets (of erosion), or
 ///                   file (.png, .exr, .npz), spacing (m), vertical (m per unit); tiles, detail (m), skirt (m), albedo
@@ -28,7 +28,8 @@ namespace dapple::scenegen {
 ///                   position = [x, y] (one tree, which is not scattered)
 ///     [[primitive]] kind = "box" | "sphere" | "slab" | "slivers" (triangles without area), position (centre), size or
 ///                   radius (sphere), albedo; copies, scatter (m to each side), turned (random yaw)
-///     [city]        style = "vienna" | "manhattan", scale (of the area), trees (triangles each), views, fovY
+///     [city]        style = "vienna" | "manhattan", trees (triangles each), views, fovY; or
+///                   footprints = "FILE.geojson", projected, views, fovY
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far
 ///

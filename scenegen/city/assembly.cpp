@@ -22,6 +22,13 @@ void addInstance(Scene& scene, uint32_t prototype, const glm::dvec3& position, c
     scene.instances.push_back({glm::vec3(position), float(scale), float(angleOf(direction)), prototype});
 }
 
+void append(Mesh& to, const Mesh& mesh) {
+    const auto base = uint32_t(to.positions.size());
+    to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
+    to.normals.insert(to.normals.end(), mesh.normals.begin(), mesh.normals.end());
+    for (const uint32_t i : mesh.indices) to.indices.push_back(base + i);
+}
+
 Mesh of(Mesh mesh, uint32_t material) {
     mesh.material = material;
     return mesh;

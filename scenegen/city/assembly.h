@@ -16,6 +16,9 @@ uint32_t addPrototype(Scene& scene, const std::string& name, std::vector<Mesh> m
 /// Adds an instance whose local x points along `direction` (unit).
 void addInstance(Scene& scene, uint32_t prototype, const glm::dvec3& position, const glm::dvec2& direction, double scale = 1);
 
+/// Appends the triangles of one mesh to another.
+void append(Mesh& to, const Mesh& mesh);
+
 /// `mesh` with that material.
 Mesh of(Mesh mesh, uint32_t material);
 

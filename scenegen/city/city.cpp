@@ -1,7 +1,9 @@
 #include "scenegen/city/city.h"
 
+#include "base/file.h"
 #include "base/random.h"
 #include "scenegen/city/assembly.h"
+#include "scenegen/city/footprints.h"
 #include "scenegen/city/furniture.h"
 #include "scenegen/city/house.h"
 #include "scenegen/city/tower.h"
@@ -19,7 +21,7 @@ namespace {
 using namespace city;
 
 constexpr uint64_t kLookPurpose = 0x6c6f6f6b, kYardPurpose = 0x79617264;
-constexpr double kViennaArea = 1.1e6, kManhattanArea = 2.9e6;  // m² at scale 1
+constexpr double kViennaArea = 0.9e6, kManhattanArea = 7.7e6;  // m² at scale 1
 
 struct Colour {
     const char* name;
@@ -35,18 +37,11 @@ constexpr Colour kTowerWalls[] = {{"brick red", {0.28f, 0.105f, 0.07f}}, {"brick
                                   {"concrete", {0.36f, 0.36f, 0.35f}}, {"concrete white", {0.56f, 0.55f, 0.52f}}, {"concrete dark", {0.22f, 0.22f, 0.22f}},
                                   {"mullions dark", {0.07f, 0.075f, 0.08f}}, {"mullions bronze", {0.14f, 0.10f, 0.07f}}, {"mullions steel", {0.34f, 0.36f, 0.38f}}};
 
-void append(Mesh& to, const Mesh& mesh) {
-    const auto base = uint32_t(to.positions.size());
-    to.positions.insert(to.positions.end(), mesh.positions.begin(), mesh.positions.end());
-    to.normals.insert(to.normals.end(), mesh.normals.begin(), mesh.normals.end());
-    for (const uint32_t i : mesh.indices) to.indices.push_back(base + i);
-}
-
 class CityBuilder {
 public:
     CityBuilder(Scene& scene, const City& city, uint64_t seed)
         : scene_(scene), city_(city), seed_(seed),
-          plan_(layOut(city.style, city.scale * (city.style == Style::vienna ? kViennaArea : kManhattanArea), seed)) {
+          plan_(layOut(city.style, city.scale * (city.style == Style::vienna ? kViennaArea : kManhattanArea), seed)), radius_(0.5 * std::sqrt(plan_.ground.area())) {
         glass_ = addMaterial(scene, "window glass", {0.03f, 0.035f, 0.042f}, 0.5f, 90);
         frames_ = addMaterial(scene, "window frames", {0.50f, 0.48f, 0.44f});
         iron_ = addMaterial(scene, "dark iron", {0.07f, 0.075f, 0.07f}, 0.2f, 24);
@@ -57,8 +52,7 @@ public:
         const FurnitureOptions furniture{seed_, city_.treeTriangles, 0.7};
         if (city_.style == Style::vienna) buildVienna();
         else buildManhattan();
-        addFurniture(scene_, plan_, furniture);
-        addTrees(scene_, yardTrees_, 4.2, furniture);
+        addFurniture(scene_, plan_, std::move(yardTrees_), furniture);
         addViews(scene_, plan_, city_.views, city_.fovY);
     }
 
@@ -70,7 +64,7 @@ private:
         glm::dvec2 far(0);
         for (const glm::dvec2& p : plan_.ground.corners) far = glm::max(far, glm::abs(p));
         Mesh around, road;
-        addBox(around, {-far - 150.0, -1.0}, {far + 150.0, -0.12});
+        addBox(around, {-far - 100.0, -1.0}, {far + 100.0, -0.12});
         addPrism(road, plan_.ground, -0.5, 0);
         // A receiver only: the roadway is the lowest thing there is.
         place(addPrototype(scene_, "ground", {of(around, land), of(road, asphalt)}, false));
@@ -102,7 +96,7 @@ private:
             for (double x = box.alongLo; x < box.alongHi; x += 9) {
                 const double dx = random.next(), dy = random.next(), grows = random.next();
                 const glm::dvec2 p = u * (x + 7 * dx) + v * (y + 7 * dy);
-                if (grows < 0.6 && green.contains(p, 1.5)) yardTrees_.emplace_back(p, kPavement);
+                if (grows < 0.6 && green.contains(p, 1.5)) yardTrees_.push_back({{p, kPavement}, 4.2});
             }
     }
 
@@ -173,7 +167,7 @@ private:
             const Block& block = plan_.blocks[b];
             if (block.park) continue;
             const uint64_t blockSeed = base::mix64(seed_ ^ base::mix64(b + 1));
-            const std::vector<Region> parcels = subdivide(block.lot, {420, 2600, 4 * kBay, 0.5, kBay}, blockSeed);
+            const std::vector<Region> parcels = subdivide(block.lot, {420, 2600, 4 * kBay, 0.5, 2 * kBay}, blockSeed);
             for (size_t p = 0; p < parcels.size(); ++p) {
                 const base::Random r(blockSeed, p, kLookPurpose);
                 const auto [kind, direction] = kindOf(parcels[p], r);
@@ -191,7 +185,7 @@ private:
     }
 
     /// What stands on a parcel of whole bays, and the direction of its front.
-    static std::pair<TowerKind, glm::dvec2> kindOf(const Region& parcel, const base::Random& r) {
+    std::pair<TowerKind, glm::dvec2> kindOf(const Region& parcel, const base::Random& r) const {
         // Fronts look to the avenue or street that they have most of.
         size_t front = 0;
         double longest = -1;
@@ -204,9 +198,17 @@ private:
         kind.rear = parcel.labels[(front + 2) % 4] >= 0;
         kind.left = parcel.labels[(front + 3) % 4] >= 0;
         const bool small = std::min(kind.width, kind.depth) < 6;
+        // Towers cluster about two centres, as round Grand Central and Wall Street.
+        const auto nearness = [&](const glm::dvec2& centre) {
+            const glm::dvec2 d = (parcel.centroid() - centre * radius_) / (0.45 * radius_);
+            return 1 / (1 + 2 * glm::dot(d, d));
+        };
+        const double tall = r.uniform(1) * (0.55 + std::max(nearness({0.25, 0.2}), nearness({-0.45, -0.5})));
+        kind.rise = small ? int(3 * r.uniform(1)) : tall > 0.8 ? 2 : tall > 0.42 ? 1 : 0;
+        // Two styles for each size: the city shares its buildings, and its memory stays small.
+        constexpr int kStylesOf[4][2] = {{0, 1}, {1, 2}, {0, 3}, {1, 0}};
         const float style = r.uniform(0);
-        kind.style = small ? (style < 0.75f ? 0 : 1) : style < 0.3f ? 0 : style < 0.6f ? 1 : style < 0.8f ? 2 : 3;
-        kind.variant = small ? int(3 * r.uniform(1)) : 0;
+        kind.style = small ? (style < 0.75f ? 0 : 1) : kStylesOf[(kind.width / 2 + kind.depth / 2 + kind.rise) % 4][style < 0.5f];
         return {kind, parcel.edge(front).direction};
     }
 
@@ -214,18 +216,28 @@ private:
     const City& city_;
     uint64_t seed_;
     Plan plan_;
-    std::vector<glm::dvec3> yardTrees_;
+    double radius_;  // half the side of a square of the city's area, metres
+    std::vector<TreePlace> yardTrees_;
     uint32_t glass_ = 0, frames_ = 0, iron_ = 0;
 };
 
 }  // namespace
 
-City readCity(base::ConfigTable& table) {
+City readCity(base::ConfigTable& table, double scale) {
     City city;
+    city.footprints = table.text("footprints", "");
+    if (!city.footprints.empty()) {
+        city.projected = table.boolean("projected", false);
+        city.views = int(table.integer("views", 6, 1, 60));
+        city.fovY = table.number("fovY", 60, 1, 170);
+        table.finish();
+        return city;
+    }
     const std::string style = table.text("style", "vienna");
     if (style != "vienna" && style != "manhattan") table.fail("style", fmt::format("'{}' is none of vienna, manhattan", style));
     city.style = style == "vienna" ? Style::vienna : Style::manhattan;
-    city.scale = table.number("scale", 1, 1.0 / 1024, 64);
+    if (scale < 1.0 / 1024 || scale > 64) table.fail("style", fmt::format("a city is grown at a scale from 1/1024 to 64, not {}", scale));
+    city.scale = scale;
     city.treeTriangles = size_t(table.integer("trees", 2000, 0, 1'000'000));
     city.views = int(table.integer("views", 6, 1, 1000));
     city.fovY = table.number("fovY", 60, 1, 170);
@@ -233,6 +245,9 @@ City readCity(base::ConfigTable& table) {
     return city;
 }
 
-void addCity(Scene& scene, const City& city, uint64_t seed) { CityBuilder(scene, city, seed).build(); }
+void addCity(Scene& scene, const City& city, uint64_t seed) {
+    if (city.footprints.empty()) return CityBuilder(scene, city, seed).build();
+    addFootprints(scene, parseFootprints(base::readFile(city.footprints), city.footprints, city.projected), city.views, city.fovY, seed);
+}
 
 }  // namespace dapple::scenegen

@@ -16,14 +16,17 @@ struct City {
     int views = 6;                ///< walk0 …: on streets, 1.7 m above them
     double fovY = 60;             ///< degrees
     std::string footprints;       ///< GeoJSON file of real buildings in place of a style; empty: none
+    bool projected = false;       ///< its coordinates are metres, not degrees
 };
 
-/// Reads the table: style = "vienna" | "manhattan", scale (1/1024 … 64), trees (triangles each), views, fovY; or
-/// footprints (a path, from the recipe's folder on). Throws UsageError with file, line and key.
-City readCity(base::ConfigTable& table);
+/// Reads the table: style = "vienna" | "manhattan", trees (triangles each), views, fovY; or
+/// footprints (a path, from the working folder on), projected, views, fovY. `scale`:
+/// the recipe's, 1/1024 … 64. Throws UsageError with file, line and key.
+City readCity(base::ConfigTable& table, double scale);
 
 /// Adds ground, streets, buildings and furniture about the scene's origin, and the views: walk0 … and above.
-/// vienna at scale 1: 1.1 km², perimeter blocks with courtyards; manhattan: 2.9 km², towers on a grid.
+/// Throws UsageError with the name and the reason when footprints cannot be read.
+/// vienna at scale 1: 0.9 km², perimeter blocks with courtyards; manhattan: 7.7 km², towers on a grid.
 void addCity(Scene& scene, const City& city, uint64_t seed);
 
 }  // namespace dapple::scenegen

@@ -1,5 +1,6 @@
 #include "scenegen/city/furniture.h"
 
+#include "base/detmath.h"
 #include "base/random.h"
 #include "scenegen/city/assembly.h"
 #include "scenegen/city/house.h"
@@ -75,8 +76,7 @@ public:
         bar_ = addPrototype(scene, "crossing bar", {of(bar, paint)}, false);
     }
 
-    void furnish() {
-        std::vector<glm::dvec3> trees;
+    void furnish(std::vector<TreePlace> trees) {
         for (size_t b = 0; b < plan_.blocks.size(); ++b) {
             const Block& block = plan_.blocks[b];
             for (size_t i = 0; i < block.kerb.size(); ++i) {
@@ -91,12 +91,12 @@ public:
                 if (street.width > 12)
                     for (double x = 10.5; x < length - 8; x += 9) {
                         const double along = x + 0.8 * random.next(), grows = random.next();
-                        if (grows < (street.width > 20 ? 0.9 : 0.55)) trees.emplace_back(at(kerb, along, 1.05), kPavement);
+                        if (grows < (street.width > 20 ? 0.9 : 0.55)) trees.push_back({{at(kerb, along, 1.05), kPavement}, street.width > 20 ? 4.4 : 3.3});
                     }
             }
         }
         markLanes();
-        addTrees(scene_, trees, 2.7, options_);
+        addTrees(trees);
     }
 
 private:
@@ -127,12 +127,13 @@ private:
         }
         for (const Block& block : plan_.blocks)
             for (size_t i = 0; i < block.kerb.size(); ++i) {
-                // A crossing over the street along edge i, at the end of the edge, half-way over: the block opposite, or
-                // nobody where the street ends, has the other half.
+                // A crossing over the street along edge i at either end of the edge, half-way over: the block opposite
+                // has the other half.
                 const Line kerb = block.kerb.edge(i);
                 const double width = plan_.streets[size_t(block.kerb.labels[i])].width, length = block.kerb.length(i);
                 if (length < 30 || width < 13) continue;
-                for (double out = 0.6; out < 0.5 * width - 0.3; out += 1.0) addInstance(scene_, bar_, {at(kerb, length - 3.5, -out), 0}, kerb.direction);
+                for (const double end : {3.5, length - 3.5})
+                    for (double out = 0.6; out < 0.5 * width - 0.3; out += 1.0) addInstance(scene_, bar_, {at(kerb, end, -out), 0}, kerb.direction);
             }
     }
 
@@ -148,6 +149,30 @@ private:
         return false;
     }
 
+    void addTrees(const std::vector<TreePlace>& places) {
+        if (places.empty() || options_.treeTriangles == 0) return;
+        constexpr size_t kIndividuals = 3;
+        const Species species = loadSpecies("oak");
+        const uint32_t bark = addMaterial(scene_, "street tree bark", species.barkAlbedo);
+        scene_.materials.push_back({.name = "street tree leaves", .albedo = species.leaves.albedo, .specular = 0.12f, .shininess = 24});
+        const auto leaves = uint32_t(scene_.materials.size() - 1);
+        std::array<uint32_t, kIndividuals> prototypes;
+        std::array<double, kIndividuals> radius;
+        for (size_t i = 0; i < kIndividuals; ++i) {
+            Tree tree = growTree(species, {base::mix64(options_.seed + i), options_.treeTriangles, LeafMode::polygon});
+            prototypes[i] = addPrototype(scene_, fmt::format("street tree {}", i), {of(std::move(tree.bark), bark), of(std::move(tree.leaves), leaves)});
+            const base::Box box = scene_.prototypes.back().box();
+            radius[i] = double(std::max({-box.lo.x, -box.lo.y, box.hi.x, box.hi.y}));
+        }
+        for (size_t i = 0; i < places.size(); ++i) {
+            base::Random random(options_.seed, i, kTreePurpose);
+            const double which = random.next(), turn = random.next(), size = random.next();
+            const auto k = size_t(which * double(kIndividuals));
+            const double scale = places[i].crownRadius / radius[k] * (0.8 + 0.2 * size);
+            scene_.instances.push_back({glm::vec3(places[i].foot), float(scale), float(2 * base::det::kPi * turn), prototypes[k]});
+        }
+    }
+
     Scene& scene_;
     const Plan& plan_;
     const FurnitureOptions& options_;
@@ -157,29 +182,8 @@ private:
 
 }  // namespace
 
-void addFurniture(Scene& scene, const Plan& plan, const FurnitureOptions& options) { Furnisher(scene, plan, options).furnish(); }
-
-void addTrees(Scene& scene, const std::vector<glm::dvec3>& places, double crownRadius, const FurnitureOptions& options) {
-    if (places.empty() || options.treeTriangles == 0) return;
-    constexpr size_t kIndividuals = 3;
-    const Species species = loadSpecies("oak");
-    const uint32_t bark = addMaterial(scene, "street tree bark", species.barkAlbedo);
-    scene.materials.push_back({.name = "street tree leaves", .albedo = species.leaves.albedo, .specular = 0.12f, .shininess = 24});
-    const auto leaves = uint32_t(scene.materials.size() - 1);
-    std::array<uint32_t, kIndividuals> prototypes;
-    std::array<double, kIndividuals> radius;
-    for (size_t i = 0; i < kIndividuals; ++i) {
-        Tree tree = growTree(species, {base::mix64(options.seed + i), options.treeTriangles, LeafMode::polygon});
-        prototypes[i] = addPrototype(scene, fmt::format("street tree {} of {} m", i, crownRadius), {of(std::move(tree.bark), bark), of(std::move(tree.leaves), leaves)});
-        const base::Box box = scene.prototypes.back().box();
-        radius[i] = double(std::max({-box.lo.x, -box.lo.y, box.hi.x, box.hi.y}));
-    }
-    for (size_t i = 0; i < places.size(); ++i) {
-        base::Random random(options.seed, i, kTreePurpose);
-        const double which = random.next(), turn = random.next(), size = random.next();
-        const auto k = size_t(which * double(kIndividuals));
-        scene.instances.push_back({glm::vec3(places[i]), float(crownRadius / radius[k] * (0.8 + 0.2 * size)), float(6.28318 * turn), prototypes[k]});
-    }
+void addFurniture(Scene& scene, const Plan& plan, std::vector<TreePlace> trees, const FurnitureOptions& options) {
+    Furnisher(scene, plan, options).furnish(std::move(trees));
 }
 
 }  // namespace dapple::scenegen::city

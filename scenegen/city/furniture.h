@@ -12,11 +12,13 @@ struct FurnitureOptions {
     double cars = 0.7;         ///< share of parking places that are taken
 };
 
-/// Appends their prototypes and materials, and an instance for each. Deterministic.
-/// Keeps clear of crossings; crowns keep clear of the lots' edges.
-void addFurniture(Scene& scene, const Plan& plan, const FurnitureOptions& options);
+struct TreePlace {
+    glm::dvec3 foot;
+    double crownRadius;  ///< metres, at most
+};
 
-/// Trees in courtyards and parks: at each of `places` (z = foot).
-void addTrees(Scene& scene, const std::vector<glm::dvec3>& places, double crownRadius, const FurnitureOptions& options);
+/// Appends their prototypes and materials, and an instance for each. `trees` stand already, in yards and parks; those of
+/// the pavements are added, with crowns that mostly keep clear of the fronts.
+void addFurniture(Scene& scene, const Plan& plan, std::vector<TreePlace> trees, const FurnitureOptions& options);
 
 }  // namespace dapple::scenegen::city

@@ -89,7 +89,7 @@ private:
             const glm::dvec2 u = line.direction, left = line.left();
             addPrism(parts_.wall, clip(wall, {line.point + u * start, left}, kMitre), kFoot, top);
             addPrism(parts_.wall, clip(wall, {line.point + u * end, -left}, kMitre), kFoot, top);
-            placeBays(line, label, start, bays);
+            placeBays(wing, line, label, start, bays);
         }
         if (label == kCourt) return;
         addPrism(parts_.trim, band(wing, line, label, -0.38, 0.05), eaves - 0.7, eaves - 0.25);
@@ -97,7 +97,7 @@ private:
         if (house_.style == 2) addPrism(parts_.trim, band(wing, line, label, -0.1, 0.045), house_.groundFloor() + 3.78, house_.groundFloor() + 3.98);
     }
 
-    void placeBays(const Line& line, int label, double start, int bays) {
+    void placeBays(const Wing& wing, const Line& line, int label, double start, int bays) {
         const bool court = label == kCourt;
         const int door = bays / 2;
         const bool shops = !court && random_.next() < 0.45f, balconies = !court && random_.next() < 0.5f, attic = random_.next() < 0.7f;
@@ -109,8 +109,10 @@ private:
             if (balconies && i % 3 == door % 3)
                 for (int floor = 2; floor < house_.floors; floor += 2)
                     modules_->push_back({Placed::balcony, kind, {at, house_.groundFloor() + (floor - 1) * style.storey + 0.2}, line.direction});
-            if (attic && i % 2 == door % 2) {
-                const double inwards = 1.3;
+            const double inwards = 1.3;
+            const glm::dvec2 deepest = at + line.left() * (inwards + 2.7), half = line.direction * 1.0;
+            // Where the roof runs on behind the whole dormer, not where two wings meet.
+            if (attic && i % 2 == door % 2 && wing.outline.contains(deepest - half) && wing.outline.contains(deepest + half)) {
                 modules_->push_back({Placed::dormer, kind, {at + line.left() * inwards, house_.eaves() + kRoof + kSlope * inwards}, line.direction});
             }
         }
@@ -189,7 +191,8 @@ Parts bayModule(const House& house, BayKind kind) {
     rows.push_back({rows.back().ceiling, house.eaves() + kHead, {}, {}});
     std::vector<Row> plain = rows;
     for (Row& row : plain) row.opening = {};
-    const double h = 0.5 * s.bay;
+    // A millimetre of overlap to either side: rounding leaves no crack between two modules.
+    const double h = 0.5 * s.bay + 0.001;
     const std::array<glm::dvec2, 4> outline{{{-h, 0}, {h, 0}, {h, kFacade + 0.05}, {-h, kFacade + 0.05}}};
     const std::array<int, 4> columns{1, 1, 1, 1};
     Parts parts;

@@ -49,7 +49,8 @@ public:
         Region city;  // regular 16-gon: its area is 16/2 · sin(22.5°) · r² = 3.0615 r²
         for (int i = 0; i < 16; ++i) city.corners.push_back(radius_ * onCircle((i + 0.5) / 16));
         for (size_t i = 0; i < 16; ++i) city.labels.push_back(street(city.corners[i], city.next(i), 18));
-        for (const Region& cell : districts(city)) halve(cell, 1);
+        uint64_t id = 16;  // at most nine: no district's cells have another's names
+        for (const Region& cell : districts(city)) halve(cell, id++, {});
         for (glm::dvec2& p : city.corners) p *= 1 + 12 / radius_;
         plan_.ground = city;
         return std::move(plan_);
@@ -111,11 +112,14 @@ private:
     }
 
     /// `id` names the cell by its path of cuts, so that a cut here never shifts the random numbers of another.
-    void halve(const Region& cell, uint64_t id) {
+    /// `around`: streets that bounded a cell which this one was cut from.
+    void halve(const Region& cell, uint64_t id, std::vector<int> around) {
+        for (const int label : cell.labels)
+            if (std::find(around.begin(), around.end(), label) == around.end()) around.push_back(label);
         base::Random random(seed_, id, kCutPurpose);
         const double area = cell.area(), block = 8500 * (0.8 + 0.9 * random.next());
         const double shift = 0.2 * (random.next() - 0.5);
-        if (area < 1.45 * block) return addBlock(cell, id);
+        if (area < 1.45 * block) return addBlock(cell, id, around);
         const glm::dvec2 u = field(cell.centroid());
         const Extent box = orientedBox(cell);
         const glm::dvec2 across{-box.direction.y, box.direction.x};
@@ -130,7 +134,7 @@ private:
             if (score <= bestScore) continue;
             bestScore = score, best[0] = left, best[1] = right, bestLine = line;
         }
-        if (bestScore < 38) return addBlock(cell, id);
+        if (bestScore < 38) return addBlock(cell, id, around);
         const double width = area > 110'000 ? 18 : area > 40'000 ? 14 : 10.5;
         double lo = 1e300, hi = -1e300;
         for (const glm::dvec2& p : best[0].corners)
@@ -138,15 +142,21 @@ private:
         const int label = street(bestLine.point + bestLine.direction * lo, bestLine.point + bestLine.direction * hi, width);
         for (int side = 0; side < 2; ++side) {
             const Line line = side ? bestLine.reversed() : bestLine;
-            halve(clip(cell, line, label), 2 * id + uint64_t(side));
+            halve(clip(cell, line, label), 2 * id + uint64_t(side), around);
         }
     }
 
-    void addBlock(const Region& cell, uint64_t id) {
+    void addBlock(const Region& cell, uint64_t id, const std::vector<int>& around) {
         Block block;
-        std::vector<double> half, pavement;
-        for (const int label : cell.labels) half.push_back(0.5 * plan_.streets[size_t(label)].width);
-        block.kerb = shrunk(cell, half);
+        std::vector<double> pavement;
+        block.kerb = cell;
+        // Not of the cell's own streets alone: near a sharp corner the roadway of a wide street may reach across the tip of the cell next door.
+        for (const int label : around) {
+            const Street& s = plan_.streets[size_t(label)];
+            Line line{s.a, (s.b - s.a) / glm::distance(s.a, s.b)};
+            if (line.distance(cell.centroid()) < 0) line = line.reversed();
+            block.kerb = clip(block.kerb, line.moved(0.5 * s.width), label);
+        }
         if (block.kerb.empty()) return;
         for (const int label : block.kerb.labels) pavement.push_back(plan_.streets[size_t(label)].width > 20 ? 6 : plan_.streets[size_t(label)].width > 12 ? 4 : 2.8);
         block.lot = shrunk(block.kerb, pavement);

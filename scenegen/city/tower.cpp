@@ -29,12 +29,12 @@ class TowerBuilder {
 public:
     TowerBuilder(const TowerKind& kind, uint64_t seed, bool detail)
         : kind_(kind), style_(kStyles[kind.style]), detail_(detail),
-          random_(seed, uint64_t(kind.width) << 32 | uint64_t(kind.depth) << 16 | uint64_t(kind.variant) << 8 | uint64_t(kind.style), kTowerPurpose) {}
+          random_(seed, uint64_t(kind.width) << 32 | uint64_t(kind.depth) << 16 | uint64_t(kind.rise) << 8 | uint64_t(kind.style), kTowerPurpose) {}
 
     Parts build() {
         const int least = std::min(kind_.width, kind_.depth);
         const double share = random_.next();
-        const int floors = least >= 9 ? 18 + int(30 * share * share) : least >= 6 ? 9 + int(14 * share) : 4 + int(3 * share);
+        const int floors = least < 6 ? 4 + int(3 * share) : kind_.rise == 2 && least >= 8 ? 30 + int(18 * share) : kind_.rise == 1 ? 14 + int(12 * share) : 7 + int(5 * share);
         glm::ivec2 lo(0), hi(kind_.width, kind_.depth);
         if (least < 6 && !kind_.rear) hi.y -= kind_.depth > 6 ? 3 : 1;  // a rear yard
         const bool open[4] = {true, kind_.right, kind_.rear || hi.y < kind_.depth, kind_.left};

@@ -15,7 +15,7 @@ struct TowerKind {
     int width = 4, depth = 5;     ///< bays along the front, away from it
     bool left = false, right = false, rear = false;  ///< sides on a street beside the front, seen from above with the front at the lower edge
     int style = 0;                ///< brick, limestone, concrete, glass
-    int variant = 0;
+    int rise = 0;                 ///< 0: midtown's lesser, 1: tall, 2: tallest where the parcel is large enough; walk-ups: a variant
 
     auto operator<=>(const TowerKind&) const = default;
 };

@@ -9,14 +9,19 @@ namespace dapple::scenegen::city {
 
 void addViews(Scene& scene, const Plan& plan, int count, double fovY) {
     const Extent extent = orientedBox(plan.ground);
-    // Streets with houses on both sides first; wide ones and narrow ones in turn.
-    std::vector<Street> streets = plan.streets;
-    std::stable_sort(streets.begin(), streets.end(), [&](const Street& a, const Street& b) {
-        const auto rank = [&](const Street& s) { return std::pair(!plan.ground.contains(0.5 * (s.a + s.b), 40), -glm::distance(s.a, s.b)); };
-        return rank(a) < rank(b);
-    });
+    // Boulevards and narrow streets in turn, long ones with houses on both sides first.
+    std::vector<Street> streets[2];
+    double widest = 0;
+    for (const Street& s : plan.streets) widest = std::max(widest, s.width);
+    for (const Street& s : plan.streets) streets[s.width <= 0.6 * widest].push_back(s);
+    for (std::vector<Street>& some : streets)
+        std::stable_sort(some.begin(), some.end(), [&](const Street& a, const Street& b) {
+            const auto rank = [&](const Street& s) { return std::pair(!plan.ground.contains(0.5 * (s.a + s.b), 40), -glm::distance(s.a, s.b)); };
+            return rank(a) < rank(b);
+        });
     for (int i = 0; i < count; ++i) {
-        Street s = streets[size_t(i) % streets.size()];
+        const std::vector<Street>& some = streets[i % 2 && !streets[1].empty()];
+        Street s = some[size_t(i / 2) % some.size()];
         if (i % 2) std::swap(s.a, s.b);
         const double length = glm::distance(s.a, s.b);
         const glm::dvec2 u = (s.b - s.a) / length;
@@ -28,8 +33,8 @@ void addViews(Scene& scene, const Plan& plan, int count, double fovY) {
         scene.views.push_back(view);
     }
     const double reach = 0.5 * extent.length();
-    View above{.name = "above", .eye = glm::dvec3(-0.9, -0.95, 0.75) * reach, .fovY = fovY};
-    above.forward = glm::normalize(glm::dvec3(-0.05 * reach, -0.1 * reach, 0) - above.eye);
+    View above{.name = "above", .eye = glm::dvec3(-0.62, -0.7, 0.42) * reach, .fovY = fovY};
+    above.forward = glm::normalize(glm::dvec3(-0.1 * reach, -0.15 * reach, 0) - above.eye);
     above.near = 1, above.far = 5 * reach + 300;
     scene.views.push_back(above);
 }
