@@ -1,12 +1,16 @@
 #include "base/hash.h"
+#include "base/error.h"
 #include "base/log.h"
+#include "bench/contact_sheet.h"
 #include "bench/verbs/verbs.h"
 #include "scenegen/export/glb.h"
+#include "scenegen/export/obj.h"
 #include "scenegen/library.h"
 
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 
 namespace dapple::bench {
 namespace {
@@ -46,25 +50,34 @@ void printStats(const scenegen::Scene& scene, double seconds) {
 
 void addScene(CLI::App& app) {
     struct Options {
-        std::string scene, file;
+        std::string scene, file, picture;
         std::vector<std::string> settings;
         bool stats = false;
     };
-    CLI::App* verb = app.add_subcommand("scene", "Make or import a scene: print what it has, write it as glTF");
+    CLI::App* verb = app.add_subcommand("scene", "Make or import a scene: print what it has, write it as glTF or OBJ, picture it");
     auto options = std::make_shared<Options>();
     verb->add_option("scene", options->scene, "name of a scene (dapple list scenes) or a file that Assimp opens")->required();
     verb->add_option("-s,--set", options->settings, "key=value of the recipe; repeatable");
     verb->add_flag("--stats", options->stats, "print triangles, instances, bounds, facts, views, time and memory");
-    verb->add_option("-o,--output", options->file, "FILE.glb: glTF 2.0 with instancing");
-    verb->footer("Examples:\n  dapple scene forest-105 --stats\n  dapple scene forest-small -s seed=7 -o forest.glb\n  dapple scene model.obj --stats");
-    verb->callback([options] {
+    verb->add_option("-o,--output", options->file, "FILE.glb: glTF 2.0 with instancing; FILE.obj: every instance written out");
+    verb->add_option("--picture", options->picture, "FILE.png: a contact sheet of all views");
+    verb->footer("Examples:\n  dapple scene forest-105 --stats\n  dapple scene forest-small -s seed=7 -o forest.glb\n  dapple scene model.obj --stats\n  dapple scene city-vienna -s scale=0.1 --picture vienna.png");
+    verb->callback([&app, options] {
+        const std::string suffix = std::filesystem::path(options->file).extension().string();
+        if (!options->file.empty() && suffix != ".glb" && suffix != ".obj")
+            throw base::UsageError(fmt::format("{}: a scene is written as .glb or .obj", options->file));
         const auto start = std::chrono::steady_clock::now();
         const scenegen::Scene scene = scenegen::loadScene(options->scene, options->settings);
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (options->stats || options->file.empty()) printStats(scene, seconds);
-        if (options->file.empty()) return;
-        scenegen::writeGlb(scene, options->file);
-        base::logInfo("wrote " + options->file);
+        if (options->stats || (options->file.empty() && options->picture.empty())) printStats(scene, seconds);
+        if (!options->file.empty()) {
+            (suffix == ".obj" ? scenegen::writeObj : scenegen::writeGlb)(scene, options->file);
+            base::logInfo("wrote " + options->file);
+        }
+        if (!options->picture.empty()) {
+            writeContactSheet(scene, globalOptions(app).device, options->picture);
+            base::logInfo("wrote " + options->picture);
+        }
     });
 }
 

@@ -1,12 +1,14 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "scenegen/export/glb.h"
+#include "scenegen/export/obj.h"
 #include "scenegen/import/import.h"
 #include "scenegen/library.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 
@@ -42,6 +44,39 @@ TEST(Export, readingBackGivesTheSameForest) {
     // The box of a turned tree is that of its box's corners, so both sides overestimate alike.
     EXPECT_LT(glm::distance(lo, glm::dvec3(a.box.lo)), 2e-3);
     EXPECT_LT(glm::distance(hi, glm::dvec3(a.box.hi)), 2e-3);
+}
+
+// Oracle: Assimp's reader, and the scene's own triangles under their instances.
+TEST(Export, anObjHoldsTheSameTriangles) {
+    const Scene scene = loadScene("forest-small");
+    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "forest.obj";
+    writeObj(scene, path);
+    const Scene back = importFile(path);
+    const Facts a = scene.facts(), b = back.facts();
+    EXPECT_EQ(a.triangles, b.triangles);
+    EXPECT_TRUE(b.alphaTested);
+    const auto area = [](const Scene& s) {
+        double sum = 0;
+        for (const Instance& i : s.instances)
+            for (const Mesh& m : s.prototypes[i.prototype].meshes)
+                for (size_t t = 0; t < m.indices.size(); t += 3) {
+                    const glm::dvec3 p = m.positions[m.indices[t]], q = m.positions[m.indices[t + 1]], r = m.positions[m.indices[t + 2]];
+                    sum += glm::length(glm::cross(q - p, r - p)) / 2 * double(i.scale) * double(i.scale);
+                }
+        return sum;
+    };
+    EXPECT_NEAR(area(back) / area(scene), 1, 1e-4);
+    // Exact boxes of turned prototypes: those of the written vertices.
+    dapple::base::DBox box;
+    for (const Instance& i : scene.instances)
+        for (const Mesh& m : scene.prototypes[i.prototype].meshes)
+            for (const glm::vec3& p : m.positions) {
+                const double c = std::cos(double(i.yaw)), s = std::sin(double(i.yaw));
+                box.extend(glm::dvec3(i.translation) + double(i.scale) * glm::dvec3(c * p.x - s * p.y, s * p.x + c * p.y, p.z));
+            }
+    EXPECT_LT(glm::distance(glm::dvec3(b.box.lo) + back.origin, box.lo), 2e-3);
+    EXPECT_LT(glm::distance(glm::dvec3(b.box.hi) + back.origin, box.hi), 2e-3);
+    for (const Material& m : back.materials) EXPECT_TRUE(!m.alphaTested || m.texture >= 0);
 }
 
 TEST(Export, readingBackKeepsViews) {

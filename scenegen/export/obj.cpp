@@ -1,0 +1,86 @@
+#include "scenegen/export/obj.h"
+
+#include "base/error.h"
+#include "base/file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+namespace dapple::scenegen {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr size_t kMostTriangles = 50'000'000;  // about 6 GiB of text
+
+/// Names in OBJ end at a blank.
+std::string word(std::string name) {
+    for (char& c : name)
+        if (c <= ' ' || c == '/') c = '_';
+    return name.empty() ? "_" : name;
+}
+
+std::string materialName(const Scene& scene, size_t index) { return fmt::format("{}_{}", word(scene.materials[index].name), index); }
+
+std::string materials(const Scene& scene, const fs::path& path) {
+    std::vector<std::string> images;
+    for (size_t i = 0; i < scene.textures.size(); ++i) {
+        images.push_back(fmt::format("{}-{}_{}.png", path.stem().string(), word(scene.textures[i].name), i));
+        base::writePng(path.parent_path() / images.back(), scene.textures[i].image);
+    }
+    std::string mtl;
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+        const Material& m = scene.materials[i];
+        mtl += fmt::format("newmtl {}\nKd {} {} {}\nKs {} {} {}\nNs {}\n", materialName(scene, i), m.albedo.r, m.albedo.g, m.albedo.b,
+                           m.specular, m.specular, m.specular, m.shininess);
+        if (m.texture >= 0) mtl += fmt::format("map_Kd {}\n", images[size_t(m.texture)]);
+        if (m.texture >= 0 && m.alphaTested) mtl += fmt::format("map_d {}\n", images[size_t(m.texture)]);
+        mtl += '\n';
+    }
+    return mtl;
+}
+
+}  // namespace
+
+void writeObj(const Scene& scene, const fs::path& path) {
+    if (const size_t triangles = scene.facts().triangles; triangles > kMostTriangles)
+        throw base::UsageError(fmt::format("scene {}: an OBJ of {} triangles would be too large; write .glb, which keeps instances", scene.name, triangles));
+    std::string text = fmt::format("# {} triangles of scene {}, y up, metres\nmtllib {}.mtl\n", scene.facts().triangles, scene.name, path.stem().string());
+    auto out = std::back_inserter(text);
+    size_t vertices = 1, uvs = 1;  // OBJ counts from 1
+    for (const Instance& instance : scene.instances) {
+        const Prototype& prototype = scene.prototypes[instance.prototype];
+        const double c = std::cos(double(instance.yaw)), s = std::sin(double(instance.yaw));
+        const auto turned = [&](const glm::dvec3& p) { return glm::dvec3(c * p.x - s * p.y, s * p.x + c * p.y, p.z); };
+        fmt::format_to(out, "o {}\n", word(prototype.name));
+        for (const Mesh& mesh : prototype.meshes) {
+            for (const glm::vec3& p : mesh.positions) {
+                const glm::vec3 q(glm::dvec3(instance.translation) + double(instance.scale) * turned(p));
+                fmt::format_to(out, "v {} {} {}\n", q.x, q.z, -q.y);
+            }
+            for (const glm::vec3& n : mesh.normals) {
+                const glm::vec3 q(turned(n));
+                fmt::format_to(out, "vn {} {} {}\n", q.x, q.z, -q.y);
+            }
+            for (const glm::vec2& uv : mesh.uvs) fmt::format_to(out, "vt {} {}\n", uv.x, 1 - uv.y);  // v grows upwards
+            fmt::format_to(out, "usemtl {}\n", materialName(scene, mesh.material));
+            for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+                text += 'f';
+                for (size_t k = 0; k < 3; ++k) {
+                    const size_t at = mesh.indices[i + k];
+                    if (mesh.uvs.empty()) fmt::format_to(out, " {0}//{0}", vertices + at);
+                    else fmt::format_to(out, " {0}/{1}/{0}", vertices + at, uvs + at);
+                }
+                text += '\n';
+            }
+            vertices += mesh.positions.size();
+            uvs += mesh.uvs.size();
+        }
+    }
+    fs::path beside = path;
+    base::writeFile(beside.replace_extension(".mtl"), materials(scene, path));
+    base::writeFile(path, text);
+}
+
+}  // namespace dapple::scenegen
