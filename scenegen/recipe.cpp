@@ -23,7 +23,7 @@ namespace dapple::scenegen {
 namespace {
 
 constexpr int kCardTexels = 256;
-constexpr uint64_t kPlacementPurpose = 0x74726565;
+constexpr uint64_t kPlacementPurpose = 0x74726565, kWindPurpose = 0x77696e64;
 
 struct SpeciesEntry {
     Species species;
@@ -55,6 +55,7 @@ public:
         readGround();
         readPrimitives();
         readPath();
+        readWind();
         readSpecies();
         t_.finish();
         for (auto& [entry, line] : species_) plantSpecies(entry, *line);
@@ -134,6 +135,29 @@ private:
             t.finish();
             addInstanced(kind, std::move(mesh), position, true);
         }
+    }
+
+    void readWind() {
+        std::optional<base::ConfigTable> t = t_.table("wind");
+        if (!t) return;
+        Wind wind;
+        wind.strength = t->number("strength", 0.5, 0, 1);
+        const auto [s, c] = base::det::sinCos(t->number("direction", 270, -360, 360) * base::det::kDegree);
+        wind.direction = {-s, -c};
+        wind.time = t->number("time", 0, 0, 1e6);
+        t->finish();
+        if (wind.strength > 0) wind_ = wind;
+    }
+
+    /// With wind, all trees of one individual stand alike: only then does one bent shape serve them all.
+    double windYaw(size_t prototype) const { return 2 * base::det::kPi * base::Random(seed_, prototype, kWindPurpose).next(); }
+
+    std::optional<Wind> windOn(size_t prototype) const {
+        if (!wind_) return {};
+        Wind wind = *wind_;
+        const auto [s, c] = base::det::sinCos(windYaw(prototype));
+        wind.direction = {c * wind_->direction.x + s * wind_->direction.y, c * wind_->direction.y - s * wind_->direction.x};
+        return wind;
     }
 
     static void readLens(base::ConfigTable& t, View& view) {
@@ -243,7 +267,7 @@ private:
         for (int i = 0; i < e.individuals; ++i) {
             Tree tree;
             try {
-                tree = growTree(s, {base::mix64(seed_ + uint64_t(i)), e.triangles, e.leaves, e.lod});
+                tree = growTree(s, {base::mix64(seed_ + uint64_t(i)), e.triangles, e.leaves, e.lod, windOn(scene_.prototypes.size())});
             } catch (const base::Error& error) {
                 line.fail("triangles", error.what());
             }
@@ -253,6 +277,7 @@ private:
             std::erase_if(prototype.meshes, [](const Mesh& m) { return m.indices.empty(); });
             prototype = decimate(prototype, e.keep);
             prototype.closed = isClosed(prototype);
+            prototype.moving = wind_.has_value();
             prototypes_.back().push_back(uint32_t(scene_.prototypes.size()));
             scene_.prototypes.push_back(std::move(prototype));
         }
@@ -261,7 +286,8 @@ private:
     void placeTrees() {
         for (size_t k = 0; k < species_.size(); ++k)
             if (const std::optional<glm::dvec2> p = species_[k].first.position)
-                scene_.instances.push_back({.translation = glm::vec3(p->x, p->y, ground_->height(p->x, p->y)), .prototype = prototypes_[k][0]});
+                scene_.instances.push_back({.translation = glm::vec3(p->x, p->y, ground_->height(p->x, p->y)),
+                                            .yaw = wind_ ? float(windYaw(prototypes_[k][0])) : 0, .prototype = prototypes_[k][0]});
         double shares = 0;
         for (const auto& [entry, line] : species_) shares += entry.position ? 0 : entry.share;
         std::vector<double> due(species_.size(), 0), radii;
@@ -281,6 +307,7 @@ private:
             const std::vector<uint32_t>& individuals = prototypes_[k];
             tree.prototype = individuals[size_t(random.next() * float(individuals.size()))];
             tree.yaw = float(2 * base::det::kPi * random.next());
+            if (wind_) tree.yaw = float(windYaw(tree.prototype));
             const glm::dvec2 range = species_[k].first.scale;
             tree.scale = float(range.x + (range.y - range.x) * random.next());
             trees.push_back(tree);
@@ -303,6 +330,7 @@ private:
     std::optional<Ground> ground_;
     std::optional<Path> way_;
     PathEntry path_;
+    std::optional<Wind> wind_;
     std::set<std::string> viewNames_;
     std::vector<std::pair<SpeciesEntry, std::unique_ptr<base::ConfigTable>>> species_;
     std::vector<std::vector<uint32_t>> prototypes_;  // of each species, its individuals

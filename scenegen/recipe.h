@@ -20,6 +20,8 @@ namespace dapple::scenegen {
 ///     [[species]]   name, share, individuals, leaves = "polygon" | "card" | "solid", scale = [lo, hi],
 ///                   triangles (budget; solid leaves count as polygons), lod = 0 | 1 | 2 (sets the species' own budget),
 ///                   keep (share that decimation leaves), position = [x, y] (one tree, which is not scattered)
+///     [wind]        strength (0 … 1), direction (degrees clockwise from north, where it comes from), time (s); with it
+///                   the trees of one individual stand alike, so that all bend the same way
 ///     [[primitive]] kind = "box" | "sphere" | "slab", position (centre), size (box, slab) or radius (sphere), albedo
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far
