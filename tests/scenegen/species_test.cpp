@@ -2,7 +2,7 @@
 #include "base/file.h"
 #include "scenegen/library.h"
 #include "scenegen/lod/connectivity.h"
-#include "scenegen/plants/bark.h"
+#include "scenegen/plants/colonise.h"
 #include "scenegen/plants/tree.h"
 #include "winding.h"
 
@@ -163,6 +163,42 @@ TEST(Prune, nothingReachesBeyondTheEnvelope) {
         Species wild = willow;
         wild.prune.ratio = 0;
         EXPECT_GT(outside(growSkeleton(wild, seed)), 100u);
+    }
+}
+
+TEST(Colonisation, fillsTheCrownByThePipeModel) {
+    const Species oak = loadSpecies("open-oak");
+    const double height = 11, radius = 0.35;
+    const auto envelope = [&](double z) { return oak.prune.width * height * envelopeRatio(oak.prune, (height - z) / (height * (1 - oak.baseSize))); };
+    for (uint64_t seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE(seed);
+        const std::vector<CrownNode> nodes = colonise(oak, height, radius, seed);
+        ASSERT_GT(nodes.size(), 200u);
+        EXPECT_EQ(nodes[0].parent, -1);
+        EXPECT_DOUBLE_EQ(nodes[0].radius, radius);
+        std::vector<double> area(nodes.size(), 0);
+        for (size_t i = 1; i < nodes.size(); ++i) {
+            ASSERT_LT(nodes[i].parent, int(i));
+            ASSERT_NEAR(glm::distance(nodes[i].position, nodes[size_t(nodes[i].parent)].position), oak.colonisation->step, 1e-9);
+            area[size_t(nodes[i].parent)] += std::pow(nodes[i].radius, oak.colonisation->pipe);
+        }
+        for (size_t i = 0; i < nodes.size(); ++i)
+            if (area[i] > 0) {
+                ASSERT_NEAR(std::pow(nodes[i].radius, oak.colonisation->pipe) / area[i], 1, 1e-6);
+            }
+        // Every place in the crown has wood nearer than an attractor's reach.
+        for (double z = 2.5; z < 10.5; z += 1)
+            for (double x = -7; x <= 7; x += 1)
+                for (double y = -7; y <= 7; y += 1) {
+                    if (std::hypot(x, y) > envelope(z)) continue;
+                    double nearest = 1e9;
+                    for (const CrownNode& n : nodes) nearest = std::min(nearest, glm::distance(n.position, {x, y, z}));
+                    ASSERT_LT(nearest, oak.colonisation->influence) << x << " " << y << " " << z;
+                }
+        for (const CrownNode& n : nodes)
+            if (n.position.z > oak.baseSize * height + 1 && n.position.z < height) {
+                ASSERT_LT(std::hypot(n.position.x, n.position.y), envelope(n.position.z) + 1.5);
+            }
     }
 }
 
