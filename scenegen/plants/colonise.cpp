@@ -16,7 +16,8 @@ constexpr size_t kMostNodes = 20'000;
 /// what a new node can reach lies in 27 cells.
 class Attractors {
 public:
-    Attractors(std::vector<glm::dvec3> points, const ColonisationParameters& p) : points_(std::move(points)), nearest_(points_.size(), -1), distance2_(points_.size(), p.influence * p.influence), p_(p) {
+    Attractors(std::vector<glm::dvec3> points, const ColonisationParameters& p)
+        : points_(std::move(points)), nearest_(points_.size(), -1), distance2_(points_.size(), p.influence * p.influence), p_(p) {
         glm::dvec3 hi = lo_ = points_.empty() ? glm::dvec3(0) : points_[0];
         for (const glm::dvec3& a : points_) lo_ = glm::min(lo_, a), hi = glm::max(hi, a);
         for (int axis = 0; axis < 3; ++axis) cells_[axis] = int((hi[axis] - lo_[axis]) / p.influence) + 1;

@@ -154,7 +154,8 @@ void growSite(Mesh& mesh, const LeafParameters& p, const LeafSite& site, LeafMod
 
 }  // namespace
 
-std::vector<LeafSite> leafSites(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode, bool floating) {
+std::vector<LeafSite> leafSites(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept,
+                                LeafMode mode, bool floating) {
     std::vector<bool> meshed(skeleton.stems.size(), false);
     for (const uint32_t i : kept) meshed[i] = true;
     double longest = 0, sum = 0, twigs = 0;

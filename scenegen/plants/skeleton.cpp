@@ -101,7 +101,8 @@ private:
     }
 
     /// Section 4.6: false if nothing of the stem fits into the pruning envelope.
-    bool shapeWithinEnvelope(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& position, int segment, double correction, std::vector<Fork>& forks) {
+    bool shapeWithinEnvelope(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& position, int segment,
+                             double correction, std::vector<Fork>& forks) {
         const double whole = stem.length, fork = splitError_[size_t(stem.level)];
         const auto shapeAt = [&](double length) {
             splitError_[size_t(stem.level)] = fork;

@@ -95,7 +95,8 @@ TEST_P(EverySpecies, coarserLevelsKeepTheOutline) {
         for (int lod = 1; lod < kLods; ++lod) {
             SCOPED_TRACE(testing::Message() << "level " << lod << ", seed " << seed);
             const dapple::base::Box coarse = boxOf(growTree(species, level(species, seed, lod)));
-            EXPECT_NEAR(coarse.hi.z / fine.hi.z, 1, lod == 1 ? 0.2 : 0.4);
+            // A leaf of a coarse level stands for several, and a fern's are long against its height.
+            EXPECT_NEAR(coarse.hi.z / fine.hi.z, 1, lod == 1 ? 0.25 : 0.4);
             const glm::vec3 a = fine.halfSize(), b = coarse.halfSize();
             EXPECT_NEAR((b.x + b.y) / (a.x + a.y), 1, 0.35);
         }
