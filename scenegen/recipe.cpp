@@ -3,7 +3,7 @@
 #include "base/config.h"
 #include "base/detmath.h"
 #include "base/error.h"
-#include "base/hash.h"
+#include "base/random.h"
 #include "scenegen/city/city.h"
 #include "scenegen/lod/connectivity.h"
 #include "scenegen/lod/decimate.h"
@@ -27,6 +27,7 @@ namespace dapple::scenegen {
 namespace {
 
 constexpr int kCardTexels = 256;
+constexpr uint64_t kWindPurpose = 0x77696e64;
 
 struct SpeciesEntry {
     Species species;
@@ -61,6 +62,7 @@ public:
         for (base::ConfigTable& t : t_.tables("primitive")) addPrimitive(scene_, t, base::mix64(seed_ + index++));
         if (std::optional<base::ConfigTable> t = t_.table("city")) city_ = readCity(*t, area_);
         readPath();
+        readWind();
         readSpecies();
         t_.finish();
         for (auto& [entry, line] : species_) plantSpecies(entry, *line);
@@ -122,6 +124,29 @@ private:
         mesh.material = addMaterial({.name = "ground", .albedo = colour, .doubleSided = false});
         scene_.prototypes.push_back({"ground", {std::move(mesh)}, false, false});
         scene_.instances.push_back({.prototype = uint32_t(scene_.prototypes.size() - 1)});
+    }
+
+    void readWind() {
+        std::optional<base::ConfigTable> t = t_.table("wind");
+        if (!t) return;
+        Wind wind;
+        wind.strength = t->number("strength", 0.5, 0, 1);
+        const auto [s, c] = base::det::sinCos(t->number("direction", 270, -360, 360) * base::det::kDegree);
+        wind.direction = {-s, -c};
+        wind.time = t->number("time", 0, 0, 1e6);
+        t->finish();
+        if (wind.strength > 0) wind_ = wind;
+    }
+
+    /// With wind, all trees of one individual stand alike: only then does one bent shape serve them all.
+    double windYaw(size_t prototype) const { return 2 * base::det::kPi * base::Random(seed_, prototype, kWindPurpose).next(); }
+
+    std::optional<Wind> windOn(size_t prototype) const {
+        if (!wind_) return {};
+        Wind wind = *wind_;
+        const auto [s, c] = base::det::sinCos(windYaw(prototype));
+        wind.direction = {c * wind_->direction.x + s * wind_->direction.y, c * wind_->direction.y - s * wind_->direction.x};
+        return wind;
     }
 
     static void readLens(base::ConfigTable& t, View& view) {
@@ -241,7 +266,7 @@ private:
         for (int i = 0; i < e.individuals; ++i) {
             Tree tree;
             try {
-                tree = growTree(s, {base::mix64(seed_ + uint64_t(i)), e.triangles, e.leaves, e.lod});
+                tree = growTree(s, {base::mix64(seed_ + uint64_t(i)), e.triangles, e.leaves, e.lod, windOn(scene_.prototypes.size())});
             } catch (const base::Error& error) {
                 line.fail("triangles", error.what());
             }
@@ -254,6 +279,7 @@ private:
             const glm::vec3 half = prototype.box().halfSize();
             e.stand.individuals.push_back(uint32_t(scene_.prototypes.size()));
             e.stand.crownRadii.push_back(0.5 * double(half.x + half.y));
+            prototype.moving = wind_.has_value();
             scene_.prototypes.push_back(std::move(prototype));
         }
     }
@@ -270,7 +296,8 @@ private:
         std::vector<Stand> stands;
         for (const auto& [entry, line] : species_) {
             if (const std::optional<glm::dvec2> p = entry.position)
-                scene_.instances.push_back({.translation = glm::vec3(p->x, p->y, height_(*p)), .prototype = entry.stand.individuals[0]});
+                scene_.instances.push_back({.translation = glm::vec3(p->x, p->y, height_(*p)),
+                                            .yaw = wind_ ? float(windYaw(entry.stand.individuals[0])) : 0, .prototype = entry.stand.individuals[0]});
             else
                 stands.push_back(entry.stand);
         }
@@ -279,7 +306,9 @@ private:
                       if (way_ && way_->distance(p) < 0.5 * path_.width) return false;
                       return std::none_of(clearings_.begin(), clearings_.end(), [&](const glm::dvec3& c) { return glm::distance(glm::dvec2(c), p) < c.z; });
                   }};
-        const std::vector<Instance> trees = plantForest(trees_, spacing_, crowding_, seed_, stands, site);
+        std::vector<Instance> trees = plantForest(trees_, spacing_, crowding_, seed_, stands, site);
+        for (Instance& tree : trees)
+            if (wind_) tree.yaw = float(windYaw(tree.prototype));
         scene_.instances.insert(scene_.instances.end(), trees.begin(), trees.end());
     }
 
@@ -295,6 +324,7 @@ private:
     std::optional<City> city_;
     std::optional<Path> way_;
     PathEntry path_;
+    std::optional<Wind> wind_;
     std::set<std::string> viewNames_;
     std::vector<std::pair<SpeciesEntry, std::unique_ptr<base::ConfigTable>>> species_;
     size_t trees_ = 0;

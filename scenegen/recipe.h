@@ -26,6 +26,8 @@ namespace dapple::scenegen {
 ///                   triangles (budget; solid leaves count as polygons), lod = 0 | 1 | 2 (sets the species' own budget),
 ///                   keep (share that decimation leaves), altitude = [lo, hi] (m) and slope (degrees) where it grows,
 ///                   position = [x, y] (one tree, which is not scattered)
+///     [wind]        strength (0 … 1), direction (degrees clockwise from north, where it comes from), time (s); with it
+///                   the trees of one individual stand alike, so that all bend the same way
 ///     [[primitive]] kind = "box" | "sphere" | "slab" | "slivers" (triangles without area), position (centre), size or
 ///                   radius (sphere), albedo; copies, scatter (m to each side), turned (random yaw)
 ///     [city]        style = "vienna" | "manhattan", trees (triangles each), views, fovY; or

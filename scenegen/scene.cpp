@@ -88,6 +88,7 @@ Facts Scene::facts() const {
         f.triangles += p.triangles();
         f.scaled |= instance.scale != 1.0f;
         for (const Mesh& mesh : p.meshes) f.alphaTested |= materials[mesh.material].alphaTested && mesh.triangles() > 0;
+        f.moving |= p.moving;
         if (p.castsShadow && p.triangles() > 0) {
             f.casters = true;
             f.closed &= p.closed;

@@ -50,6 +50,7 @@ struct Prototype {
     std::vector<Mesh> meshes;
     bool castsShadow = true;  ///< false: a receiver only (ground, sky-facing terrain without overhangs)
     bool closed = false;      ///< every mesh is a closed, oriented 2-manifold (tested, not declared by hand)
+    bool moving = false;      ///< its shape is that of one moment
 
     size_t triangles() const;
     base::Box box() const;  ///< prototype space; empty when there is no vertex

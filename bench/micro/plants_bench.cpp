@@ -36,16 +36,38 @@ void bark(benchmark::State& state, const char* name) {
 }
 BENCHMARK_CAPTURE(bark, oak, "oak");
 BENCHMARK_CAPTURE(bark, fir, "fir");
+BENCHMARK_CAPTURE(bark, willow, "willow");
 
 void wholeTree(benchmark::State& state, const char* name, LeafMode leaves) {
     const Species species = loadSpecies(name);
     uint64_t seed = 0;
     for (auto _ : state) benchmark::DoNotOptimize(growTree(species, {++seed, 36000, leaves}));
-    countTriangles(state, 36000);
+    const Tree tree = growTree(species, {seed, 36000, leaves});
+    countTriangles(state, tree.bark.triangles() + tree.leaves.triangles());
 }
 BENCHMARK_CAPTURE(wholeTree, oakPolygons, "oak", LeafMode::polygon);
 BENCHMARK_CAPTURE(wholeTree, oakCards, "oak", LeafMode::card);
+BENCHMARK_CAPTURE(wholeTree, oakSolid, "oak", LeafMode::solid);
 BENCHMARK_CAPTURE(wholeTree, firCards, "fir", LeafMode::card);
+
+/// Sixty individuals, of all species in turn, each at its three levels of detail.
+void prototypes(benchmark::State& state) {
+    std::vector<Species> species;
+    for (const std::string& name : listSpecies()) species.push_back(loadSpecies(name));
+    size_t triangles = 0;
+    for (auto _ : state) {
+        triangles = 0;
+        for (uint64_t i = 0; i < 60; ++i) {
+            const Species& s = species[i % species.size()];
+            for (int lod = 0; lod < kLods; ++lod) {
+                benchmark::DoNotOptimize(growTree(s, {i, s.triangles[size_t(lod)], LeafMode::polygon, lod}));
+                triangles += s.triangles[size_t(lod)];
+            }
+        }
+    }
+    countTriangles(state, triangles);
+}
+BENCHMARK(prototypes)->Unit(benchmark::kMillisecond);
 
 /// A recipe to a validated scene: reading, growing, placing, checking.
 void scene(benchmark::State& state, const char* name) {

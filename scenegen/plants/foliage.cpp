@@ -12,8 +12,10 @@ namespace det = base::det;
 namespace {
 
 constexpr uint64_t kLeafPurpose = 64;
-/// Below this, leaves would no longer look like leaves.
-constexpr double kMinGrowth = 0.5;
+/// Times its size that a leaf may shrink or grow: near by it must look like a leaf, far away like a bough.
+constexpr double kMinGrowth = 0.5, kMaxGrowth[kLods] = {3.5, 6, 12};
+/// Least width over length of the farthest level's leaves: a bundle of needles is no giant needle.
+constexpr double kFarScaleX = 0.4;
 /// Thickness of a solid leaf over its width: far more than a real one's, so that depth maps can tell its sides apart.
 constexpr double kThickness = 0.04;
 
@@ -81,12 +83,13 @@ struct Draw {
     double share;          ///< place on the site, 0…1
     double spin, down;     ///< radians, about the twig and away from it
     glm::dvec3 chance;     ///< of the blade's side
-    double length;         ///< metres
+    double length, width;  ///< metres
+    double behind;         ///< of its root, metres: how far a leaf that stands for several reaches back
     det::SinCos spinSinCos, downSinCos;
 };
 
 /// Leaf k of n at a site.
-Draw drawLeaf(const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t k, size_t n, double growth, base::Random& random) {
+Draw drawLeaf(const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t k, size_t n, double growth, int lod, base::Random& random) {
     const bool card = mode == LeafMode::card;
     Draw d;
     d.share = (double(k) + random.next(0.2f, 0.8f)) / double(n);
@@ -98,10 +101,16 @@ Draw drawLeaf(const LeafParameters& p, const LeafSite& site, LeafMode mode, size
     d.spin = (turn + p.rotateV * random.next(-1, 1)) * det::kDegree;
     d.chance = {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)};  // braces: drawn in this order
     d.length = (card ? p.cardScale : p.scale) * site.size * growth * (1 + 0.2 * random.next(-1, 1)) * (1 + (p.tipScale - 1) * d.share);
+    d.width = d.length * (card ? p.cardScaleX : p.scaleX);
+    if (lod == kLods - 1 && d.width < kFarScaleX * d.length) {
+        d.length = std::sqrt(d.length * d.width / kFarScaleX);
+        d.width = d.length * kFarScaleX;
+    }
+    d.behind = lod > 0 ? 0.5 * std::max(0.0, 1 - 1 / growth) * d.length : 0;
     return d;
 }
 
-Blade placeBlade(const LeafParameters& p, LeafMode mode, const Draw& d, const StemPoint& at) {
+Blade placeBlade(const LeafParameters& p, const Draw& d, const StemPoint& at) {
     const glm::dvec3 out = at.frame[0] * d.spinSinCos.cos + at.frame[1] * d.spinSinCos.sin;
     const glm::dvec3 along = glm::normalize(at.frame[2] * d.downSinCos.cos + out * d.downSinCos.sin);
     glm::dvec3 wanted = d.chance * (1 - p.flat) + glm::dvec3(0, 0, 1) * p.flat + 0.2 * out;
@@ -110,7 +119,7 @@ Blade placeBlade(const LeafParameters& p, LeafMode mode, const Draw& d, const St
     if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[1] - along * glm::dot(at.frame[1], along);
     if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[0] - along * glm::dot(at.frame[0], along);
     const glm::dvec3 normal = glm::normalize(wanted);
-    return {at.centre, along, glm::cross(along, normal), normal, d.length, d.length * (mode == LeafMode::card ? p.cardScaleX : p.scaleX)};
+    return {at.centre - d.behind * along, along, glm::cross(along, normal), normal, d.length, d.width};
 }
 
 void setBlade(Mesh& mesh, LeafMode mode, size_t at, const Blade& blade) {
@@ -123,14 +132,14 @@ void setBlade(Mesh& mesh, LeafMode mode, size_t at, const Blade& blade) {
 
 /// Leaves 0 … n - 1 of a site, as blades first … first + n - 1 of the mesh. A leaf is one long chain of roots and
 /// quotients that wait for each other; taken step by step for many leaves, the processor works on several at once.
-void growSite(Mesh& mesh, const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t first, size_t n, double growth, base::Random random) {
+void growSite(Mesh& mesh, const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t first, size_t n, double growth, int lod, base::Random random) {
     constexpr size_t kBatch = 32;
     std::array<Draw, kBatch> draws;
     std::array<StemPoint, kBatch> points;
     StemAxis axis(*site.stem);
     for (size_t begin = 0; begin < n; begin += kBatch) {
         const size_t count = std::min(kBatch, n - begin);
-        for (size_t i = 0; i < count; ++i) draws[i] = drawLeaf(p, site, mode, begin + i, n, growth, random);
+        for (size_t i = 0; i < count; ++i) draws[i] = drawLeaf(p, site, mode, begin + i, n, growth, lod, random);
         for (size_t i = 0; i < count; ++i) {
             draws[i].spinSinCos = det::sinCos(draws[i].spin);
             draws[i].downSinCos = det::sinCos(draws[i].down);
@@ -139,13 +148,14 @@ void growSite(Mesh& mesh, const LeafParameters& p, const LeafSite& site, LeafMod
             const double offset = site.begin + (site.end - site.begin) * draws[i].share;
             points[i] = site.missingTwig ? StemPoint{axis.centre(offset), site.missingTwig->rings.front().frame, 0} : axis.at(offset);
         }
-        for (size_t i = 0; i < count; ++i) setBlade(mesh, mode, first + begin + i, placeBlade(p, mode, draws[i], points[i]));
+        for (size_t i = 0; i < count; ++i) setBlade(mesh, mode, first + begin + i, placeBlade(p, draws[i], points[i]));
     }
 }
 
 }  // namespace
 
-std::vector<LeafSite> leafSites(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept, LeafMode mode, bool floating) {
+std::vector<LeafSite> leafSites(const Species& species, const Skeleton& skeleton, std::span<const uint32_t> kept,
+                                LeafMode mode, bool floating) {
     std::vector<bool> meshed(skeleton.stems.size(), false);
     for (const uint32_t i : kept) meshed[i] = true;
     double longest = 0, sum = 0, twigs = 0;
@@ -182,7 +192,7 @@ size_t naturalLeaves(std::span<const LeafSite> sites) {
     return size_t(sum + 0.5);
 }
 
-Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMode mode, size_t count, double maxGrowth, uint64_t seed) {
+Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMode mode, size_t count, int lod, uint64_t seed) {
     double available = 0;
     for (const LeafSite& site : sites) available += site.leaves;
     Mesh mesh;
@@ -193,13 +203,13 @@ Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMo
     mesh.indices.resize(3 * leafTriangles(mode) * count);
     if (mode == LeafMode::card) mesh.uvs.resize(corners * count);
 
-    const double growth = std::clamp(std::sqrt(available / double(count)), kMinGrowth, maxGrowth);
+    const double growth = std::clamp(std::sqrt(available / double(count)), kMinGrowth, kMaxGrowth[lod]);
     double share = 0;
     size_t placed = 0;
     for (const LeafSite& site : sites) {
         share += site.leaves;
         const size_t upTo = &site == &sites.back() ? count : std::min(count, size_t(share / available * double(count) + 0.5));
-        growSite(mesh, species.leaves, site, mode, placed, upTo - placed, growth, base::Random(seed, site.twig, kLeafPurpose));
+        growSite(mesh, species.leaves, site, mode, placed, upTo - placed, growth, lod, base::Random(seed, site.twig, kLeafPurpose));
         placed = upTo;
     }
     return mesh;

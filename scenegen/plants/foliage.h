@@ -34,10 +34,10 @@ std::vector<LeafSite> leafSites(const Species& species, const Skeleton& skeleton
 
 size_t naturalLeaves(std::span<const LeafSite> sites);
 
-/// `count` leaves or cards, each rooted on the axis of its site's stem. Fewer than natural are larger (up to
-/// `maxGrowth` times), more are smaller, so that the foliage keeps its area. Polygon and solid leaves have the same
-/// places and outlines.
-Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMode mode, size_t count, double maxGrowth, uint64_t seed);
+/// `count` leaves or cards, each rooted on the axis of its site's stem. Fewer than natural are larger, more are smaller,
+/// so that the foliage keeps its area. Polygon and solid leaves have the same places and outlines. From `lod` 1 on a
+/// leaf stands for several: it grows to both sides of its root, so that the crown keeps its outline.
+Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMode mode, size_t count, int lod, uint64_t seed);
 
 /// A drawn cluster of leaves or spray of needles with alpha, for the cards; its foot is in the middle of the lower edge.
 /// Colours are relative: the material's albedo multiplies them.

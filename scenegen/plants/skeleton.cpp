@@ -1,6 +1,7 @@
 #include "scenegen/plants/skeleton.h"
 
 #include "base/random.h"
+#include "scenegen/plants/colonise.h"
 #include "scenegen/plants/frames.h"
 
 #include <algorithm>
@@ -60,6 +61,10 @@ public:
         stem.bury = 0.02 * stem.length;
         const double turn = 360 * random.next();
         trunkLength_ = stem.length;
+        if (species_.colonisation) {
+            growCrown(stem);
+            return std::move(skeleton_);
+        }
         growStem(std::move(stem), rotateZ(glm::dmat3(1), turn), glm::dvec3(0), 0, 0);
         return std::move(skeleton_);
     }
@@ -69,9 +74,12 @@ private:
         const double z = std::clamp(offset / stem.length, 0.0, 1.0);
         double r = taperedRadius(species_.levels[size_t(stem.level)].taper, stem.radius, stem.length, z);
         r = std::max({r, kTipRadius * stem.radius, kMinRadius});
-        if (stem.level == 0) r *= 1 + species_.flare * (det::pow(100, std::max(0.0, 1 - 8 * z)) - 1) / 100;
+        if (stem.level == 0) r *= flare(z);
         return r;
     }
+
+    /// Section 4.4: the foot of a trunk is thicker, at the share z of its length.
+    double flare(double z) const { return 1 + species_.flare * (det::pow(100, std::max(0.0, 1 - 8 * z)) - 1) / 100; }
 
     /// `stem` has everything but rings. `frame` and `position` hold where `segment` of its segments end.
     void growStem(Stem stem, const glm::dmat3& frame, const glm::dvec3& position, int segment, double correction) {
@@ -93,7 +101,8 @@ private:
     }
 
     /// Section 4.6: false if nothing of the stem fits into the pruning envelope.
-    bool shapeWithinEnvelope(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& position, int segment, double correction, std::vector<Fork>& forks) {
+    bool shapeWithinEnvelope(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& position, int segment,
+                             double correction, std::vector<Fork>& forks) {
         const double whole = stem.length, fork = splitError_[size_t(stem.level)];
         const auto shapeAt = [&](double length) {
             splitError_[size_t(stem.level)] = fork;
@@ -163,6 +172,55 @@ private:
         orientRings(stem.rings);
     }
 
+    void growCrown(const Stem& trunk) {
+        nodes_ = colonise(species_, height_, trunk.radius, seed_);
+        thickest_.assign(nodes_.size(), 0);
+        others_.resize(nodes_.size());
+        for (size_t i = 1; i < nodes_.size(); ++i) {
+            const auto parent = size_t(nodes_[i].parent);
+            size_t& thickest = thickest_[parent];
+            const size_t other = thickest != 0 && nodes_[i].radius <= nodes_[thickest].radius ? i : std::exchange(thickest, i);
+            if (other != 0) others_[parent].push_back(other);
+        }
+        growColonised(0, trunk);
+    }
+
+    /// The stem that begins at a node and goes on to its thickest child each time; the others begin stems of their own.
+    void growColonised(size_t first, Stem stem) {
+        const auto id = int(skeleton_.stems.size());
+        stem.faceted = species_.levels[size_t(stem.level)].refine == 0;
+        stem.length = 0;
+        glm::dvec3 end = nodes_[first].position;
+        if (stem.parent >= 0) {
+            const StemPoint root = skeleton_.stems[size_t(stem.parent)].at(stem.parentOffset);
+            stem.radius = std::min(nodes_[first].radius, 0.9 * root.radius);
+            stem.length = glm::distance(root.centre, end);
+            stem.rings.push_back({root.centre, glm::dmat3(1), stem.radius, 0});
+        }
+        std::vector<std::pair<size_t, double>> forks;  // first nodes of side stems, and where they leave
+        for (size_t node = first, count = 0;; node = thickest_[node], ++count) {
+            stem.length += glm::distance(nodes_[node].position, end);
+            end = nodes_[node].position;
+            for (const size_t other : others_[node]) forks.emplace_back(other, stem.length);
+            // Every second node is ring enough.
+            if (count % 2 == 0 || thickest_[node] == 0)
+                stem.rings.push_back({end, glm::dmat3(1), std::max(std::min(nodes_[node].radius, stem.radius), kMinRadius), stem.length});
+            if (thickest_[node] == 0) break;
+        }
+        orientRings(stem.rings);
+        if (stem.level == 0)
+            for (Ring& ring : stem.rings) ring.radius *= flare(ring.offset / stem.length);
+        skeleton_.stems.push_back(stem);
+        for (const auto& [node, offset] : forks) {
+            Stem limb;
+            limb.level = 1;
+            limb.parent = id;
+            limb.parentOffset = offset;
+            growColonised(node, std::move(limb));
+        }
+        if (stem.level == 1) growChildren(stem, id);
+    }
+
     /// Section 4.8: vertical attraction turns the direction towards the sky.
     glm::dmat3 attract(const glm::dmat3& f, int segments) const {
         const glm::dvec3 axis = glm::cross(f[2], glm::dvec3(0, 0, 1));
@@ -215,7 +273,9 @@ private:
         base::Random random(seed_, uint64_t(parentId), kChildren + 16);
         const double begin = std::max(parent.start, parent.crown), end = parent.length;
         double most = p.branches;
-        if (level == 2) {
+        if (species_.colonisation) {
+            most *= parent.length / trunkLength_;
+        } else if (level == 2) {
             const double share = parent.length / (trunkLength_ * species_.levels[1].length);
             most *= 0.2 + 0.8 * std::min(1.0, share);
         } else if (level > 2) {
@@ -246,6 +306,7 @@ private:
         const double fromTop = (parent.length - offset) / std::max(1e-9, parent.length - parent.crown);
         const double relative = p.length + p.lengthV * random.next(-1, 1);
         child.length = child.level == 1 ? parent.length * relative * shapeRatio(species_.shape, fromTop)
+                       : species_.colonisation ? relative * trunkLength_
                                         : relative * (parent.length - 0.6 * offset);
         child.radius = parent.radius * det::pow(child.length / parent.length, species_.ratioPower);
         child.radius = std::max(kMinRadius, std::min(child.radius, 0.9 * root.radius));
@@ -276,6 +337,9 @@ private:
     uint64_t seed_;
     double height_ = 0, trunkLength_ = 0;  // metres
     std::vector<double> splitError_;  // per level, carried over the whole tree
+    std::vector<CrownNode> nodes_;                 // of a colonised tree,
+    std::vector<size_t> thickest_;                 // of each its thickest child, or 0,
+    std::vector<std::vector<size_t>> others_;      // and the others
     Skeleton skeleton_;
 };
 

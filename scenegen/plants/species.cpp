@@ -76,6 +76,19 @@ PruneParameters readPrune(base::ConfigTable& t) {
     return p;
 }
 
+ColonisationParameters readColonisation(base::ConfigTable& t) {
+    ColonisationParameters p;
+    p.attractors = int(t.integer("attractors", p.attractors, 1, 100'000));
+    p.influence = t.number("influence", p.influence, 0.05, 100);
+    p.kill = t.number("kill", p.kill, 0.01, p.influence);
+    p.step = t.number("step", p.step, 0.01, 10);
+    if (p.step > p.kill) t.fail("step", "must not exceed kill: nodes would jump over attractors for ever");
+    p.tropism = t.number("tropism", p.tropism, -10, 10);
+    p.pipe = t.number("pipe", p.pipe, 1, 5);
+    t.finish();
+    return p;
+}
+
 std::array<size_t, kLods> readBudgets(base::ConfigTable& t) {
     std::array<size_t, kLods> budgets;
     const std::vector<double> v = t.numbers("triangles", kLods);
@@ -111,6 +124,8 @@ Species readSpecies(base::ConfigTable& t) {
     for (base::ConfigTable& level : t.tables("level")) s.levels.push_back(readLevel(level));
     if (s.levels.size() < 2 || s.levels.size() > 4) t.fail("level", "a species has 2 to 4 [[level]] tables");
     if (std::optional<base::ConfigTable> prune = t.table("prune")) s.prune = readPrune(*prune);
+    if (std::optional<base::ConfigTable> colonisation = t.table("colonisation")) s.colonisation = readColonisation(*colonisation);
+    if (s.colonisation && s.levels.size() != 3) t.fail("level", "a colonised species has 3: trunk, limbs, twigs");
     std::optional<base::ConfigTable> leaves = t.table("leaves");
     if (!leaves) t.fail("leaves", "is required");
     s.leaves = readLeaves(*leaves);

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,16 @@ struct PruneParameters {
     double powerLow = 0.5, powerHigh = 0.5;  ///< curvature below and above the peak; 1: a cone
 };
 
+/// Trunk and limbs by space colonisation instead: see colonise.h. Lengths in metres.
+struct ColonisationParameters {
+    int attractors = 1000;
+    double influence = 2.5;  ///< radius within which an attractor draws its nearest node
+    double kill = 0.8;       ///< distance at which it is reached
+    double step = 0.4;       ///< between nodes
+    double tropism = 0;      ///< added to the unit vectors that draw a node; > 0: upwards
+    double pipe = 2.4;       ///< exponent of the pipe model: 2 keeps the area of the wood, more makes limbs thicker
+};
+
 inline constexpr int kLods = 3;
 
 struct Species {
@@ -65,6 +76,9 @@ struct Species {
     double barkShare = 0.45;  ///< largest share of a triangle budget that stems may use
     glm::vec3 barkAlbedo{0.2f};  ///< linear
     PruneParameters prune;
+    /// With it, `prune` is the envelope of the attractors, stems of the first two levels come from them, and twigs
+    /// have lengths and numbers as shares of the tree's height: `branches` on a stem as long as the tree.
+    std::optional<ColonisationParameters> colonisation;
     std::vector<LevelParameters> levels;  ///< 2 to 4; leaves grow on the last
     LeafParameters leaves;
 };

@@ -8,14 +8,15 @@
 namespace dapple::scenegen {
 namespace {
 
-/// Times its size that a leaf may grow at each level of detail: near by it must look like a leaf, far away like a bough.
-constexpr double kMaxGrowth[kLods] = {3.5, 6, 12};
+/// Of the species' own share of bark: far away only trunks are seen through the leaves.
+constexpr double kBarkShare[kLods] = {1, 0.8, 0.5};
 
 }  // namespace
 
 Tree growTree(const Species& species, const TreeOptions& options) {
     Skeleton skeleton = growSkeleton(species, options.seed);
-    const BarkPlan plan = planBark(species, skeleton, size_t(species.barkShare * double(options.triangles)), options.lod);
+    if (options.wind) sway(skeleton, *options.wind, options.seed);
+    const BarkPlan plan = planBark(species, skeleton, size_t(kBarkShare[options.lod] * species.barkShare * double(options.triangles)), options.lod);
     const std::vector<LeafSite> sites = leafSites(species, skeleton, plan.kept, options.leaves, options.lod > 0);
     size_t leaves = naturalLeaves(sites);
     if (options.triangles > 0) {
@@ -25,7 +26,7 @@ Tree growTree(const Species& species, const TreeOptions& options) {
         leaves = (options.triangles - plan.triangles) / 2;
     }
     return {buildBark(species, skeleton, plan),
-            buildLeaves(species, sites, options.leaves, leaves, kMaxGrowth[size_t(options.lod)], options.seed)};
+            buildLeaves(species, sites, options.leaves, leaves, options.lod, options.seed)};
 }
 
 }  // namespace dapple::scenegen

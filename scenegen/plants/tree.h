@@ -2,6 +2,9 @@
 
 #include "scenegen/plants/foliage.h"
 #include "scenegen/plants/species.h"
+#include "scenegen/plants/wind.h"
+
+#include <optional>
 
 namespace dapple::scenegen {
 
@@ -14,6 +17,7 @@ struct TreeOptions {
     /// 0, 1, 2: how far away the tree will be seen. The skeleton is the same; from 1 on leaves may grow large and stay
     /// where their twig would be if it is not meshed. Species::triangles has the budget that goes with it.
     int lod = 0;
+    std::optional<Wind> wind = std::nullopt;
 };
 
 /// Foot at the origin, z up, metres. Meshes carry no material yet.
