@@ -113,7 +113,7 @@ TEST(City, manhattanHasAHundredMillionTrianglesInLittleMemory) {
 TEST(City, badValuesNameFileLineAndKey) {
     EXPECT_THAT(errorOf("style = \"paris\"\n"), HasSubstr("city_under_test.toml:3: style: 'paris' is none of vienna, manhattan"));
     EXPECT_THAT(errorOf("scale = 0\n"), HasSubstr("unknown key 'scale'"));  // it is the recipe's
-    EXPECT_THROW(loadScene("city-vienna", {"scale=0.0001"}), base::UsageError);
+    EXPECT_THROW(loadScene("city-vienna", {"scale=0.0001"}), dapple::base::UsageError);
     EXPECT_THAT(errorOf("views = 0\n"), HasSubstr(":3: views: 0 is outside"));
     EXPECT_THAT(errorOf("stile = \"vienna\"\n"), HasSubstr("did you mean 'style'?"));
 }
