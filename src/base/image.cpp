@@ -128,8 +128,10 @@ ImageF readGrey16(const fs::path& path) {
 }
 
 std::string inflate(const std::string& packed, size_t size) {
+    // The decoder reads a few bytes ahead and takes the end of its input for damage.
+    const std::string padded = packed + std::string(8, '\0');
     std::string bytes(size, '\0');
-    const int got = stbi_zlib_decode_noheader_buffer(bytes.data(), int(size), packed.data(), int(packed.size()));
+    const int got = stbi_zlib_decode_noheader_buffer(bytes.data(), int(size), padded.data(), int(padded.size()));
     if (got != int(size)) throw std::runtime_error("damaged deflate data");
     return bytes;
 }

@@ -156,6 +156,18 @@ TEST_F(HeightFile, numpyArraysOfEveryTypeHaveNorthOnTop) {
     }
 }
 
+// Oracle: numpy's reading of the same file, which is deflated.
+TEST_F(HeightFile, aRealDeflatedArchiveIsRead) {
+    const fs::path file = "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz";
+    if (!fs::exists(file)) GTEST_SKIP() << "python-matplotlib-data is not installed";
+    const HeightField field = readHeights(file, 92.5, 1);
+    ASSERT_EQ(field.columns, 403);
+    ASSERT_EQ(field.rows, 344);
+    EXPECT_EQ(field.at(0, 343), 483);
+    EXPECT_EQ(field.at(1, 343), 487);
+    EXPECT_EQ(field.at(2, 343), 491);
+}
+
 TEST_F(HeightFile, exrIsReadAsMetres) {
     base::writeExr(folder_ / "h.exr", {2, 2, 1, {1.5f, 2.5f, 3.5f, 4.5f}});
     const HeightField field = readHeights(folder_ / "h.exr", 1, 10);
