@@ -89,7 +89,8 @@ private:
         basis_ = lightBasis(frame_.light(), camera.forward);
         const base::DBox sceneBox = frame_.relativeSceneBox();
         base::DBox sceneBounds;
-        for (uint32_t i = 0; i < frame_.scene().instanceBoxes().size(); ++i) {
+        // Only a map of the whole scene asks for every instance.
+        for (uint32_t i = 0; kind_ == FitKind::scene && i < frame_.scene().instanceBoxes().size(); ++i) {
             const base::DBox box = frame_.relativeBox(i);
             for (int corner = 0; corner < 8 && !box.empty(); ++corner) sceneBounds.extend(basis_.toLight(box.corner(corner)));
         }
