@@ -55,6 +55,7 @@ public:
         seed_ = uint64_t(t_.integer("seed", 1, 0, int64_t{1} << 53));
         if (t_.has("origin")) scene_.origin = vec3(t_, "origin");
         area_ = t_.number("scale", 1, 1e-4, 1e4);
+        time_ = t_.number("time", 0, 0, 1e6);
         readSun();
         readGround();
         readClearings();
@@ -70,6 +71,7 @@ public:
         addWalkViews();
         if (terrain_) addTerrain(scene_, *terrain_);
         if (city_) addCity(scene_, *city_, seed_);
+        scene_.moveTo(time_);
         if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]], a [path] or a [city]");
         return std::move(scene_);
     }
@@ -133,7 +135,7 @@ private:
         wind.strength = t->number("strength", 0.5, 0, 1);
         const auto [s, c] = base::det::sinCos(t->number("direction", 270, -360, 360) * base::det::kDegree);
         wind.direction = {-s, -c};
-        wind.time = t->number("time", 0, 0, 1e6);
+        wind.time = time_;
         t->finish();
         if (wind.strength > 0) wind_ = wind;
     }
@@ -316,6 +318,7 @@ private:
     Scene scene_;
     uint64_t seed_ = 1;
     double area_ = 1;  ///< the recipe's scale
+    double time_ = 0;  ///< seconds
     double groundSize_ = 0, spacing_ = 1;
     std::function<double(const glm::dvec2&)> height_, slope_;  ///< of the ground or the terrain; empty without
     std::optional<Terrain> terrain_;

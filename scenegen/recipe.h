@@ -16,6 +16,7 @@ namespace dapple::scenegen {
 ///     trees = 105                  # over all species; required with [[species]]
 ///     spacing = 1.0                # crown radii that a tree keeps to its neighbours, where there is room
 ///     scale = 1                    # multiplies the area of ground or city, and the number of trees
+///     time = 0                     # seconds: when wind and traffic are seen
 ///     selfThinning = false         # true: trees stand where they were sown, and the smaller of two that meet dies
 ///     [sun]         azimuth, elevation (degrees)
 ///     [ground]      size (m), undulation (m), cells, albedo; no table: no ground
@@ -26,7 +27,7 @@ namespace dapple::scenegen {
 ///                   triangles (budget; solid leaves count as polygons), lod = 0 | 1 | 2 (sets the species' own budget),
 ///                   keep (share that decimation leaves), altitude = [lo, hi] (m) and slope (degrees) where it grows,
 ///                   position = [x, y] (one tree, which is not scattered)
-///     [wind]        strength (0 … 1), direction (degrees clockwise from north, where it comes from), time (s); with it
+///     [wind]        strength (0 … 1), direction (degrees clockwise from north, where it comes from); with it
 ///                   the trees of one individual stand alike, so that all bend the same way
 ///     [[primitive]] kind = "box" | "sphere" | "slab" | "slivers" (triangles without area), position (centre), size or
 ///                   radius (sphere), albedo; copies, scatter (m to each side), turned (random yaw)

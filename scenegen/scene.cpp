@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace dapple::scenegen {
@@ -71,8 +72,20 @@ base::Box instanceBox(const base::Box& prototypeBox, const Instance& instance) {
     return box;
 }
 
+glm::vec3 Motion::at(double seconds) const {
+    const glm::dvec3 way = glm::dvec3(to) - glm::dvec3(from);
+    const double laps = (double(start) + double(speed) * seconds) / glm::length(way);
+    return glm::vec3(glm::dvec3(from) + way * (laps - std::floor(laps)));
+}
+
+void Scene::moveTo(double seconds) {
+    for (const Motion& m : motions) instances[m.instance].translation = m.at(seconds);
+}
+
 Facts Scene::facts() const {
     Facts f;
+    f.lights = lights.size();
+    f.moving = std::any_of(motions.begin(), motions.end(), [](const Motion& m) { return m.speed > 0; });
     f.prototypes = prototypes.size();
     f.materials = materials.size();
     f.instances = instances.size();
@@ -133,6 +146,21 @@ uint64_t Scene::contentHash() const {
     }
     h.value(sun.azimuth);
     h.value(sun.elevation);
+    for (const LocalLight& light : lights) {
+        h.value(light.position);
+        h.value(light.direction);
+        h.value(light.intensity);
+        h.value(light.range);
+        h.value(light.innerAngle);
+        h.value(light.outerAngle);
+    }
+    for (const Motion& m : motions) {
+        h.value(m.instance);
+        h.value(m.from);
+        h.value(m.to);
+        h.value(m.speed);
+        h.value(m.start);
+    }
     return h.digest();
 }
 
@@ -163,6 +191,22 @@ void validate(const Scene& scene) {
         requireFinite(base::allFinite(instance.translation) && std::isfinite(instance.scale) && std::isfinite(instance.yaw),
                       scene.name, fmt::format("the transform of instance {}", i));
         if (instance.scale <= 0) fail(fmt::format("instance {} has scale {}; it must be above 0", i, instance.scale));
+    }
+    for (size_t i = 0; i < scene.lights.size(); ++i) {
+        const LocalLight& light = scene.lights[i];
+        requireFinite(base::allFinite(light.position) && base::allFinite(light.direction) && base::allFinite(light.intensity), scene.name,
+                      fmt::format("local light {}", i));
+        if (std::abs(glm::length(light.direction) - 1) > 1e-3f) fail(fmt::format("local light {} has a direction that is not of unit length", i));
+        if (!(light.range > 0 && std::isfinite(light.range))) fail(fmt::format("local light {} has range {}; it must be above 0", i, light.range));
+        if (!(light.innerAngle >= 0 && light.innerAngle < light.outerAngle && light.outerAngle <= 3.1416f))
+            fail(fmt::format("local light {} has the angles {} and {}; they must satisfy 0 ≤ inner < outer ≤ π", i, light.innerAngle, light.outerAngle));
+    }
+    for (size_t i = 0; i < scene.motions.size(); ++i) {
+        const Motion& m = scene.motions[i];
+        if (m.instance >= scene.instances.size()) fail(fmt::format("motion {} names an instance that does not exist", i));
+        requireFinite(base::allFinite(m.from) && base::allFinite(m.to) && std::isfinite(m.speed) && std::isfinite(m.start), scene.name,
+                      fmt::format("motion {}", i));
+        if (m.from == m.to || m.speed < 0) fail(fmt::format("motion {} goes nowhere, or backwards", i));
     }
     if (scene.views.empty()) fail("it has no view");
     for (const View& v : scene.views) {

@@ -83,16 +83,37 @@ struct Sun {
     glm::dvec3 direction() const;
 };
 
+/// A lamp, as KHR_lights_punctual has it: of `intensity` / d² at the distance d on a surface that faces it, fading to 0 at
+/// `range`, and from the inner to the outer angle about its axis.
+struct LocalLight {
+    glm::vec3 position{0};          ///< metres from Scene::origin
+    glm::vec3 direction{0, 0, -1};  ///< unit, axis of the cone
+    glm::vec3 intensity{10};        ///< linear; the noon sun's light is about 2.5 on a surface that faces it
+    float range = 20;               ///< metres, > 0
+    float innerAngle = 0, outerAngle = 3.14159274f;  ///< radians from the axis, 0 ≤ inner < outer ≤ π (a lamp without a shade)
+};
+
+/// An instance that drives from `from` to `to` and begins again there, for ever.
+struct Motion {
+    uint32_t instance = 0;
+    glm::vec3 from{0}, to{0};  ///< metres from Scene::origin, not the same place
+    float speed = 0;           ///< metres per second, ≥ 0
+    float start = 0;           ///< metres beyond `from` at time 0
+
+    glm::vec3 at(double seconds) const;
+};
+
 /// What a scene has, derived from its content and never declared: later stages leave out what is absent.
 struct Facts {
     bool alphaTested = false;    ///< some material of a used prototype is alpha-tested
     bool rotated = false;        ///< some instance of a casting prototype has yaw ≠ 0 (mod 2π)
     bool scaled = false;         ///< some instance has scale ≠ 1
     bool closed = false;         ///< every casting prototype is closed
-    bool moving = false;         ///< something is animated
+    bool moving = false;         ///< some instance drives, or has a shape that wind bends
     bool casters = false;        ///< there is at least one casting triangle
     bool receivers = false;      ///< there is at least one triangle
     double depthRange = 1;       ///< largest far / near of the views
+    size_t lights = 0;           ///< local lights
     size_t instances = 0, prototypes = 0, materials = 0;
     size_t triangles = 0;        ///< over all instances
     size_t uniqueTriangles = 0;  ///< over the prototypes
@@ -109,6 +130,12 @@ struct Scene {
     std::vector<Instance> instances;
     std::vector<View> views;  ///< at least one
     Sun sun;
+    std::vector<LocalLight> lights;
+    std::vector<Motion> motions;  ///< of moving instances; their translations are those of the last moveTo()
+
+    /// Sets the translations of the moving instances to those at a time. What the wind bends is not touched: shapes are
+    /// those of the recipe's time.
+    void moveTo(double seconds);
 
     Facts facts() const;
     /// Hash of all content but `name` and `source`: equal scenes render equal pixels.

@@ -40,6 +40,7 @@ void printStats(const scenegen::Scene& scene, double seconds) {
     for (const auto& [name, has] : {std::pair{"alpha-tested", f.alphaTested}, {"rotated", f.rotated}, {"scaled", f.scaled},
                                     {"closed casters", f.closed}, {"moving", f.moving}, {"casters", f.casters}, {"receivers", f.receivers}})
         line(name, fact(has));
+    line("local lights", f.lights > 0 ? fmt::format("{}", f.lights) : "no");
     line("depth range", fmt::format("{:.6g} (largest far / near)", f.depthRange));
     for (const scenegen::View& v : scene.views)
         line("view", fmt::format("{}: eye ({:.6g}, {:.6g}, {:.6g}), {}° across the height, {} … {} m", v.name, v.eye.x, v.eye.y, v.eye.z, v.fovY, v.near, v.far));

@@ -260,7 +260,7 @@ views = 1
 }  // namespace
 
 TEST(Wind, bendsAllTreesOfASceneTheSameWay) {
-    const Scene calm = load(kGrove), windy = load(kGrove, {"wind.strength=1"}), later = load(kGrove, {"wind.strength=1", "wind.time=0.7"});
+    const Scene calm = load(kGrove), windy = load(kGrove, {"wind.strength=1"}), later = load(kGrove, {"wind.strength=1", "time=0.7"});
     EXPECT_FALSE(calm.facts().moving);
     EXPECT_TRUE(windy.facts().moving);
     EXPECT_EQ(windy.facts().triangles, calm.facts().triangles);
