@@ -15,6 +15,9 @@ glm::dvec3 unpackNormal(uint32_t packed) {
     return glm::normalize(glm::dvec3(component(0), component(10), component(20)));
 }
 
+/// Light of the sky: whole while the sun is up, a fiftieth from nautical dusk (12 degrees below the horizon) on.
+float daylight(double elevation) { return float(std::clamp(1 + elevation / 12, 0.02, 1.0)); }
+
 }  // namespace
 
 /// Variants of one geometry shader: an untextured scene gets no texture coordinates, a scene without alpha no
@@ -58,6 +61,7 @@ void Frame::setView(const gl::Program& program) const {
     program.set("uPixel", glm::vec2(1.0 / camera_.width, 1.0 / camera_.height));
     program.set("uClipFromRelative", glm::mat4(camera_.clipFromRelative));
     program.set("uLight", glm::vec3(light_));
+    program.set("uDaylight", daylight(scene_->scene().sun.elevation));
 }
 
 void Frame::bindGeometry() const {

@@ -37,6 +37,7 @@ public:
     const gl::Texture& visibility() const { return visibility_; }///< RG16F: V (0 dark … 1 lit), validity
     const gl::Texture& shaded() const { return shaded_; }        ///< sRGB
     const gl::Framebuffer& visibilityTarget() const { return visibilityTarget_; }
+    const gl::Framebuffer& shadedTarget() const { return shadedTarget_; }
 
     /// Sets the uniforms of lib/view.glsl and uLight.
     void setView(const gl::Program& program) const;

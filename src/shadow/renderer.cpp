@@ -16,7 +16,7 @@ frame::Pass nightPass(frame::Frame& frame) {
 }  // namespace
 
 Renderer::Renderer(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings)
-    : frame_(frame), info_(info), hasVisibility_(info.name != "bare"), shadowed_(info.family != "baseline") {
+    : frame_(frame), info_(info), lamps_(frame), hasVisibility_(info.name != "bare"), shadowed_(info.family != "baseline") {
     if (shadowed_ && frame.sunUp()) technique_ = makeTechnique(frame, info, settings);
     if (shadowed_ && !frame.sunUp()) fallback_ = info.name + " → night: the sun is not above the horizon";
     replan();
@@ -36,6 +36,7 @@ void Renderer::replan() {
         passes_.push_back(nightPass(frame_));
     }
     passes_.push_back(frame_.shadePass(shadowed_));
+    passes_.push_back(lamps_.pass());
     const std::vector<std::string> cached{"maps"};
     frame::check(passes_, cached);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "frame/lamps.h"
 #include "shadow/technique.h"
 
 namespace dapple::shadow {
@@ -30,6 +31,7 @@ public:
 private:
     frame::Frame& frame_;
     const TechniqueInfo& info_;
+    frame::Lamps lamps_;
     bool hasVisibility_ = true, shadowed_ = true;
     std::string fallback_;
     std::unique_ptr<Technique> technique_;
