@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 // Khronos, "glTF 2.0 Specification" (2021), sections 3 and 4.
 namespace dapple::scenegen {
@@ -32,15 +34,17 @@ public:
     explicit GlbWriter(const Scene& scene) : scene_(scene) {}
 
     std::string write() {
-        root_["asset"] = {{"version", "2.0"}, {"generator", "dapple scenegen"}};
+        root_["asset"] = {{"version", "2.0"}, {"generator", kGlbGenerator}};
         addMaterials();
         for (const Prototype& prototype : scene_.prototypes) addPrototype(prototype);
         Json children = Json::array();
         for (const Instance& instance : scene_.instances) children.push_back(addInstance(instance));
         for (const View& view : scene_.views) children.push_back(addCamera(view));
+        root_["extensionsUsed"] = {"KHR_lights_punctual"};
         children.push_back(addSun());
+        for (const LocalLight& light : scene_.lights) children.push_back(addLight(light));
         root_["nodes"].push_back({{"name", "origin"}, {"translation", toJson(yUp(scene_.origin))}, {"children", children}});
-        root_["scenes"] = {{{"name", scene_.name}, {"nodes", {root_["nodes"].size() - 1}}}};
+        root_["scenes"] = {{{"name", scene_.name}, {"nodes", {root_["nodes"].size() - 1}}, {"extras", exactly()}}};
         root_["scene"] = 0;
         if (!buffer_.empty()) root_["buffers"] = {{{"byteLength", buffer_.size()}}};
         return pack();
@@ -82,7 +86,7 @@ private:
     void addPrototype(const Prototype& prototype) {
         Json primitives = Json::array();
         for (const Mesh& mesh : prototype.meshes) {
-            if (mesh.indices.empty()) continue;
+            if (mesh.indices.empty()) continue;  // glTF has no empty primitive
             std::vector<glm::vec3> positions, normals;
             base::Box box;
             for (const glm::vec3& p : mesh.positions) {
@@ -99,9 +103,27 @@ private:
                                   {"indices", addAccessor(mesh.indices, kUint32, "SCALAR", kIndexBuffer)}});
         }
         meshOf_.push_back(primitives.empty() ? -1 : int(root_["meshes"].size()));
-        if (primitives.empty()) return;
-        root_["meshes"].push_back({{"name", prototype.name}, {"primitives", primitives},
-                                   {"extras", {{"castsShadow", prototype.castsShadow}}}});
+        if (!primitives.empty()) root_["meshes"].push_back({{"name", prototype.name}, {"primitives", primitives}});
+    }
+
+    /// What glTF has no word for, or only in rounded ones: with it the scene is read back to the bit.
+    Json exactly() const {
+        Json prototypes = Json::array(), instances = Json::array(), materials = Json::array(), views = Json::array(), lights = Json::array(), motions = Json::array();
+        for (size_t i = 0; i < scene_.prototypes.size(); ++i) {
+            const Prototype& p = scene_.prototypes[i];
+            prototypes.push_back({{"name", p.name}, {"mesh", meshOf_[i]}, {"castsShadow", p.castsShadow}, {"closed", p.closed}, {"moving", p.moving}});
+        }
+        for (const Instance& i : scene_.instances) instances.push_back({i.prototype, i.yaw});
+        for (const Material& m : scene_.materials) materials.push_back({m.specular, m.shininess});
+        for (const View& v : scene_.views)
+            views.push_back({{"name", v.name}, {"eye", toJson(v.eye)}, {"forward", toJson(v.forward)}, {"up", toJson(v.up)}, {"fovY", v.fovY}, {"near", v.near}, {"far", v.far}});
+        for (const LocalLight& l : scene_.lights)
+            lights.push_back({{"position", toJson(l.position)}, {"direction", toJson(l.direction)}, {"intensity", toJson(l.intensity)},
+                              {"range", l.range}, {"innerAngle", l.innerAngle}, {"outerAngle", l.outerAngle}});
+        for (const Motion& m : scene_.motions)
+            motions.push_back({{"instance", m.instance}, {"from", toJson(m.from)}, {"to", toJson(m.to)}, {"speed", m.speed}, {"start", m.start}});
+        return {{"origin", toJson(scene_.origin)}, {"sun", {scene_.sun.azimuth, scene_.sun.elevation}}, {"prototypes", prototypes},
+                {"instances", instances}, {"materials", materials}, {"views", views}, {"lights", lights}, {"motions", motions}};
     }
 
     size_t addNode(Json node) {
@@ -133,14 +155,31 @@ private:
         return addNode(std::move(node));
     }
 
-    size_t addSun() {
-        root_["extensionsUsed"] = {"KHR_lights_punctual"};
-        root_["extensions"]["KHR_lights_punctual"]["lights"] = {{{"name", "sun"}, {"type", "directional"}}};
-        const glm::dvec3 d = scene_.sun.direction();
-        Json node = lookingNode("sun", glm::dvec3(0), d, std::abs(d.z) > 0.99 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1));
-        node["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    size_t addPunctual(Json light, Json node) {
+        Json& lights = root_["extensions"]["KHR_lights_punctual"]["lights"];
+        lights.push_back(std::move(light));
+        node["extensions"]["KHR_lights_punctual"]["light"] = lights.size() - 1;
         return addNode(std::move(node));
     }
+
+    size_t addSun() {
+        const glm::dvec3 d = scene_.sun.direction();
+        return addPunctual({{"name", "sun"}, {"type", "directional"}}, lookingNode("sun", glm::dvec3(0), d, acrossOf(d)));
+    }
+
+    size_t addLight(const LocalLight& light) {
+        const float strength = std::max({light.intensity.r, light.intensity.g, light.intensity.b, 1e-9f});
+        Json entry = {{"type", "point"}, {"color", toJson(light.intensity / strength)}, {"intensity", strength}, {"range", light.range}};
+        // A spot of the specification is at most a hemisphere.
+        if (light.outerAngle <= float(std::numbers::pi / 2)) {
+            entry["type"] = "spot";
+            entry["spot"] = {{"innerConeAngle", light.innerAngle}, {"outerConeAngle", light.outerAngle}};
+        }
+        return addPunctual(std::move(entry), lookingNode("lamp", light.position, light.direction, acrossOf(light.direction)));
+    }
+
+    /// A direction that is not parallel to `d`.
+    static glm::dvec3 acrossOf(const glm::dvec3& d) { return std::abs(d.z) > 0.99 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1); }
 
     std::string pack() const {
         std::string json = root_.dump();

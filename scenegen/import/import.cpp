@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "scenegen/import/auto_views.h"
 #include "scenegen/import/file_scene.h"
+#include "scenegen/import/own_glb.h"
 #include "scenegen/import/prototypes.h"
 #include "scenegen/import/sidecar.h"
 
@@ -12,6 +13,12 @@
 namespace dapple::scenegen {
 
 Scene importFile(const std::filesystem::path& file) {
+    // A sidecar changes what a file says, which only a reading of its triangles allows.
+    if (!std::filesystem::exists(std::filesystem::path(file).replace_extension(".toml")))
+        if (std::optional<Scene> own = readOwnGlb(file)) {
+            validate(*own);
+            return *own;
+        }
     const Sidecar sidecar = readSidecar(file);
     FileScene content = readFileScene(file, sidecar);
 

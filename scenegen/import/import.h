@@ -15,6 +15,7 @@ namespace dapple::scenegen {
 /// Assimp), except z for .blend, .stl and .ply. Units are metres. Alpha testing and closedness are derived
 /// from the content, meshes that several nodes use become one prototype with several instances, and
 /// sun and views come from the file or are chosen (scenegen/import/auto_views.h).
+/// A .glb that writeGlb() made comes back as the scene that it was, to the bit.
 /// A small TOML beside the file, NAME.toml for NAME.ext, overrides all this: scenegen/import/sidecar.h.
 ///
 /// The result is validate()d. Throws UsageError naming the file: missing, empty, truncated, not a scene,

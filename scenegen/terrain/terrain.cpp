@@ -24,9 +24,11 @@ HeightField cropped(const HeightField& field, int tiles) {
     return result;
 }
 
-HeightField grow(base::ConfigTable& t, uint64_t seed, double area) {
+HeightField grow(base::ConfigTable& t, int tiles, uint64_t seed, double area) {
     const double side = std::sqrt(area), size = t.number("size", 1000, 1, 1e6) * side, relief = t.number("relief", 60, 0, 1e5);
-    const int cells = int(std::lround(double(t.integer("cells", 256, kCoarsest, 16384)) * side));
+    const int asked = int(t.integer("cells", 256, kCoarsest, 16384));
+    // A recipe that is well at its own size stays so however small it is scaled.
+    const int cells = std::max(int(std::lround(asked * side)), std::min(asked, tiles * kCoarsest));
     FbmOptions fbm;
     fbm.wavelength = t.number("wavelength", 400, 1e-3, 1e6);
     fbm.octaves = int(t.integer("octaves", fbm.octaves, 1, 16));
@@ -55,7 +57,7 @@ Terrain readTerrain(base::ConfigTable& t, uint64_t seed, double area) {
         const double spacing = t.number("spacing", 1, 1e-6, 1e6), vertical = t.number("vertical", 1, -1e6, 1e6);
         field = readHeights(t.text("file"), spacing, vertical);
     } else {
-        field = grow(t, seed, area);
+        field = grow(t, terrain.tiles, seed, area);
     }
     t.finish();
     if (std::min(field.columns, field.rows) - 1 < terrain.tiles * kCoarsest)

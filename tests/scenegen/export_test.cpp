@@ -1,4 +1,4 @@
-#include "base/error.h"
+#include "base/expect_error.h"
 #include "base/file.h"
 #include "scenegen/export/glb.h"
 #include "scenegen/export/obj.h"
@@ -34,8 +34,51 @@ nlohmann::json jsonOf(const std::filesystem::path& path) {
 
 }  // namespace
 
-TEST(Export, readingBackGivesTheSameForest) {
-    const Scene scene = loadScene("forest-small"), back = importFile(written(scene));
+// Over all named scenes, with lamps, traffic and wind.
+TEST(Export, readingBackGivesTheSameSceneToTheBit) {
+    for (const SceneEntry& entry : listScenes()) {
+        SCOPED_TRACE(entry.name);
+        std::vector<std::string> settings{"scale=0.01"};
+        if (entry.name == "arboretum") settings.push_back("wind.strength=0.5");
+        Scene scene = loadScene(entry.name, settings);
+        scene.lights = {{{1, 2, 3}, {0, 0, -1}, {3, 2, 0.1f}, 17, 0.2f, 1.1f}, {}};
+        if (!scene.instances.empty()) scene.motions = {{0, {0.1f, 0, 0}, {1, 5, 0}, 3.3f, 0.7f}};
+        const std::filesystem::path path = written(scene);
+        const Scene back = loadScene(path.string());
+        EXPECT_EQ(back.contentHash(), scene.contentHash());
+        EXPECT_EQ(back.name, scene.name);
+        const Facts a = scene.facts(), b = back.facts();
+        EXPECT_EQ(std::tie(a.moving, a.closed, a.casters, a.lights), std::tie(b.moving, b.closed, b.casters, b.lights));
+        std::filesystem::remove(path);
+    }
+}
+
+TEST(Export, aDamagedFileOfOursIsOneErrorThatNamesIt) {
+    const std::filesystem::path path = written(loadScene("box"));
+    const std::string whole = dapple::base::readFile(path);
+    for (const size_t keep : {whole.size() - 7, whole.size() / 2 + whole.size() / 3}) {
+        dapple::base::writeFile(path, whole.substr(0, keep));
+        dapple::base::expectHolds(dapple::base::errorLine([&] { importFile(path); }), path.filename().string());
+    }
+    std::string wrong = whole;
+    wrong.replace(wrong.find("\"POSITION\":0"), 12, "\"POSITION\":9");
+    dapple::base::writeFile(path, wrong);
+    const std::string line = dapple::base::errorLine([&] { importFile(path); });
+    dapple::base::expectHolds(line, path.filename().string());
+    dapple::base::expectHolds(line, "damaged");
+}
+
+/// The file as another program would have written it: Assimp reads it.
+std::filesystem::path disowned(const Scene& scene) {
+    const std::filesystem::path path = written(scene);
+    std::string file = dapple::base::readFile(path);
+    file.replace(file.find(kGlbGenerator), 6, "foreig");
+    dapple::base::writeFile(path, file);
+    return path;
+}
+
+TEST(Export, otherReadersSeeTheSameForest) {
+    const Scene scene = loadScene("forest-small"), back = importFile(disowned(scene));
     const Facts a = scene.facts(), b = back.facts();
     EXPECT_EQ(a.triangles, b.triangles);
     EXPECT_EQ(a.uniqueTriangles, b.uniqueTriangles) << "instances share their meshes";
@@ -79,8 +122,8 @@ TEST(Export, anObjHoldsTheSameTriangles) {
     for (const Material& m : back.materials) EXPECT_TRUE(!m.alphaTested || m.texture >= 0);
 }
 
-TEST(Export, readingBackKeepsViews) {
-    const Scene scene = loadScene("box"), back = importFile(written(scene));
+TEST(Export, otherReadersSeeTheViews) {
+    const Scene scene = loadScene("box"), back = importFile(disowned(scene));
     ASSERT_EQ(back.views.size(), scene.views.size());
     for (const View& view : scene.views) {
         const View& copy = back.views[back.viewIndex(view.name)];
