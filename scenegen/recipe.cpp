@@ -3,6 +3,7 @@
 #include "base/config.h"
 #include "base/detmath.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/random.h"
 #include "scenegen/city/city.h"
 #include "scenegen/lod/connectivity.h"
@@ -20,6 +21,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <new>
 #include <optional>
 #include <set>
 
@@ -27,6 +29,8 @@ namespace dapple::scenegen {
 namespace {
 
 constexpr int kCardTexels = 256;
+constexpr size_t kBytesPerTree = 140;     ///< while a forest is placed: sown and standing instances, grid, radii
+constexpr size_t kBytesPerTriangle = 60;  ///< of a tree's meshes, leaves with vertices of their own
 constexpr uint64_t kWindPurpose = 0x77696e64;
 
 struct SpeciesEntry {
@@ -140,6 +144,13 @@ private:
         if (wind.strength > 0) wind_ = wind;
     }
 
+    /// Refuses what would only end in the kernel's killing the process.
+    static void requireMemory(const base::ConfigTable& t, const char* key, const std::string& what, size_t count, size_t bytesEach) {
+        const double needed = double(count) * double(bytesEach), free = double(base::availableMemory()), gib = double(1 << 30);
+        if (needed > free)
+            t.fail(key, fmt::format("{} need about {:.1f} GiB while they are made, and {:.1f} GiB are free: ask for fewer", what, needed / gib, free / gib));
+    }
+
     /// With wind, all trees of one individual stand alike: only then does one bent shape serve them all.
     double windYaw(size_t prototype) const { return 2 * base::det::kPi * base::Random(seed_, prototype, kWindPurpose).next(); }
 
@@ -242,14 +253,16 @@ private:
                 e.stand.steepest = sine / cosine;
             }
             t.finish();
+            requireMemory(t, "individuals", fmt::format("{} individuals of {} triangles", e.individuals, e.triangles), size_t(e.individuals) * e.triangles, kBytesPerTriangle);
             species_.emplace_back(std::move(e), std::make_unique<base::ConfigTable>(std::move(t)));
         }
         if (species_.empty()) return;
         if (!height_) t_.fail("species", "trees need a [ground] or a [terrain] to stand on");
         const bool scattered = std::any_of(species_.begin(), species_.end(), [](const auto& s) { return !s.first.position; });
         if (scattered && !t_.has("trees")) t_.fail("trees", "is required with [[species]] that have no position");
-        if (scattered) trees_ = size_t(t_.integer("trees", 0, 1, 100'000'000));
+        if (scattered) trees_ = size_t(t_.integer("trees", 0, 1, 4'000'000'000));
         trees_ = std::max<size_t>(scattered ? 1 : 0, size_t(std::llround(double(trees_) * area_)));
+        requireMemory(t_, "trees", fmt::format("{} trees", trees_), trees_, kBytesPerTree);
         spacing_ = t_.number("spacing", 1, 0, 100);
         crowding_ = t_.boolean("selfThinning", false) ? Crowding::thin : Crowding::shrink;
     }
@@ -338,9 +351,13 @@ private:
 Scene readRecipe(const std::filesystem::path& path, const std::vector<std::string>& settings) {
     base::ConfigTable table = base::ConfigTable::parseFile(path);
     for (const std::string& setting : settings) table.set(setting);
-    Scene scene = RecipeReader(table, path.stem().string()).read();
-    scene.source = path.string();
-    return scene;
+    try {
+        Scene scene = RecipeReader(table, path.stem().string()).read();
+        scene.source = path.string();
+        return scene;
+    } catch (const std::bad_alloc&) {
+        throw base::UsageError(path.string() + ": there is no memory for a scene of these counts and this scale; ask for less");
+    }
 }
 
 std::string recipeDescription(const std::filesystem::path& path) { return base::ConfigTable::parseFile(path).text("description"); }
