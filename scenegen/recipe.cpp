@@ -8,6 +8,7 @@
 #include "scenegen/city/city.h"
 #include "scenegen/lod/connectivity.h"
 #include "scenegen/lod/decimate.h"
+#include "scenegen/lod/grid.h"
 #include "scenegen/placement/forest.h"
 #include "scenegen/placement/path.h"
 #include "scenegen/plants/tree.h"
@@ -76,6 +77,8 @@ public:
         if (terrain_) addTerrain(scene_, *terrain_);
         if (city_) addCity(scene_, *city_, seed_);
         scene_.moveTo(time_);
+        for (Prototype& prototype : scene_.prototypes)
+            for (Mesh& mesh : prototype.meshes) snapToGrid(mesh);
         if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]], a [path] or a [city]");
         return std::move(scene_);
     }

@@ -3,26 +3,19 @@
 #include "base/log.h"
 #include "bench/contact_sheet.h"
 #include "bench/verbs/verbs.h"
+#include "gpuscene/pack.h"
 #include "scenegen/export/glb.h"
 #include "scenegen/export/obj.h"
 #include "scenegen/library.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
 namespace dapple::bench {
 namespace {
-
-size_t meshBytes(const scenegen::Scene& scene) {
-    size_t sum = 0;
-    for (const scenegen::Prototype& prototype : scene.prototypes)
-        for (const scenegen::Mesh& mesh : prototype.meshes)
-            sum += mesh.positions.size() * sizeof(glm::vec3) + mesh.normals.size() * sizeof(glm::vec3) +
-                   mesh.uvs.size() * sizeof(glm::vec2) + mesh.indices.size() * sizeof(uint32_t);
-    return sum;
-}
 
 void printStats(const scenegen::Scene& scene, double seconds) {
     const scenegen::Facts f = scene.facts();
@@ -44,7 +37,10 @@ void printStats(const scenegen::Scene& scene, double seconds) {
     line("depth range", fmt::format("{:.6g} (largest far / near)", f.depthRange));
     for (const scenegen::View& v : scene.views)
         line("view", fmt::format("{}: eye ({:.6g}, {:.6g}, {:.6g}), {}° across the height, {} … {} m", v.name, v.eye.x, v.eye.y, v.eye.z, v.fovY, v.near, v.far));
-    line("made in", fmt::format("{:.3f} s, {:.1f} MiB of meshes", seconds, double(meshBytes(scene)) / (1 << 20)));
+    const size_t packed = gpuscene::packedBytes(scene), instances = scene.instances.size() * sizeof(scenegen::Instance);
+    line("memory", fmt::format("{:.1f} MiB of packed meshes, {:.1f} bytes per stored triangle; {:.1f} MiB of instances, {} bytes each", double(packed) / (1 << 20),
+                               double(packed) / double(std::max<size_t>(f.uniqueTriangles, 1)), double(instances) / (1 << 20), sizeof(scenegen::Instance)));
+    line("made in", fmt::format("{:.3f} s", seconds));
 }
 
 }  // namespace

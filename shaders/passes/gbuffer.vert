@@ -1,5 +1,5 @@
 #include "lib/instance.glsl"
-layout(location = 1) in vec4 aNormal;
+layout(location = 1) in vec2 aNormal;  // octahedral
 #ifdef TEXTURED
 layout(location = 2) in vec2 aUv;
 out vec2 vUv;
@@ -10,7 +10,7 @@ out vec3 vNormal;
 
 void main() {
     vPosition = instancePosition();
-    vNormal = rotateYaw(aNormal.xyz, aCosSinYaw);
+    vNormal = rotateYaw(unpackOctahedral(aNormal), aCosSinYaw);
 #ifdef TEXTURED
     vUv = aUv;
 #endif

@@ -4,15 +4,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 namespace dapple::gpuscene {
 namespace {
 
 enum Attribute : GLuint { kPosition = 0, kNormal = 1, kUv = 2, kInstancePosition = 3, kInstanceYaw = 4 };
-enum Binding : GLuint { kPositionBinding = 0, kNormalBinding = 1, kUvBinding = 2, kInstanceBinding = 3 };
+enum Binding : GLuint { kVertexBinding = 0, kUvBinding = 2, kInstanceBinding = 3 };
 
-uint32_t packNormal(const glm::vec3& n) { return glm::packSnorm3x10_1x2(glm::vec4(n, 0)); }
+/// Appends `values` as bytes; the result is where they begin.
+template <class T>
+size_t append(std::vector<uint8_t>& bytes, const std::vector<T>& values) {
+    const size_t begin = (bytes.size() + sizeof(T) - 1) / sizeof(T) * sizeof(T);
+    bytes.resize(begin + values.size() * sizeof(T));
+    if (!values.empty()) std::memcpy(&bytes[begin], values.data(), values.size() * sizeof(T));
+    return begin;
+}
+
+std::vector<uint16_t> quadIndices(size_t quads) {
+    std::vector<uint16_t> indices;
+    for (size_t q = 0; q < quads; ++q)
+        for (const size_t corner : {0, 1, 2, 0, 2, 3}) indices.push_back(uint16_t(4 * q + corner));
+    return indices;
+}
 
 gl::Texture uploadTexture(const base::Image8& image) {
     const int levels = int(std::floor(std::log2(std::max(image.width, image.height)))) + 1;
@@ -25,30 +40,46 @@ gl::Texture uploadTexture(const base::Image8& image) {
 }  // namespace
 
 GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.facts()) {
-    std::vector<glm::vec3> positions;
-    std::vector<uint32_t> normals, indices;
+    std::vector<FloatVertex> floats;
+    std::vector<CompactVertex> compacts;
     std::vector<glm::vec2> uvs;
+    std::vector<uint32_t> halfUvs;
+    std::vector<uint8_t> indices;
+    size_t quads = 0;  // of the largest mesh without indices of its own
+    for (const scenegen::Prototype& prototype : scene.prototypes)
+        for (const scenegen::Mesh& mesh : prototype.meshes)
+            if (choosePacking(mesh).indices == Packing::Indices::quads) quads = std::max(quads, mesh.indices.size() / 6);
+    append(indices, quadIndices(quads));
     for (const scenegen::Prototype& prototype : scene.prototypes) {
         GpuPrototype gpu{prototype.box(), prototype.castsShadow, {}, prototype.triangles()};
         for (const scenegen::Mesh& mesh : prototype.meshes) {
             if (mesh.indices.empty()) continue;
             const scenegen::Material& material = scene.materials[mesh.material];
-            gpu.meshes.push_back({uint32_t(indices.size()), uint32_t(mesh.indices.size()), int32_t(positions.size()),
-                                  mesh.material, material.alphaTested, !material.doubleSided});
+            const Packing packing = choosePacking(mesh);
+            GpuMesh m{packing, 0, uint32_t(mesh.indices.size()), int32_t(packing.compact ? compacts.size() : floats.size()), mesh.material, material.alphaTested, !material.doubleSided};
+            if (packing.indices == Packing::Indices::bits32) m.indexOffset = append(indices, mesh.indices);
+            if (packing.indices == Packing::Indices::bits16) m.indexOffset = append(indices, std::vector<uint16_t>(mesh.indices.begin(), mesh.indices.end()));
             (material.alphaTested ? hasAlpha_ : hasOpaque_) = true;
             hasOpaqueTextures_ |= !material.alphaTested && material.texture >= 0;
-            positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
-            for (const glm::vec3& n : mesh.normals) normals.push_back(packNormal(n));
-            if (mesh.uvs.empty()) uvs.resize(positions.size());
-            else uvs.insert(uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
-            indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+            for (size_t v = 0; v < mesh.positions.size(); ++v)
+                if (packing.compact) compacts.emplace_back(packing, mesh.positions[v], mesh.normals[v]);
+                else floats.emplace_back(mesh.positions[v], mesh.normals[v]);
+            if (!scene.textures.empty()) {  // parallel to the vertices, whether this mesh has any or not
+                for (const glm::vec2& uv : mesh.uvs)
+                    if (packing.compact) halfUvs.push_back(glm::packHalf2x16(uv));
+                    else uvs.push_back(uv);
+                halfUvs.resize(compacts.size());
+                uvs.resize(floats.size());
+            }
+            gpu.meshes.push_back(m);
         }
         prototypes_.push_back(std::move(gpu));
     }
-    positions_ = gl::Buffer::of<glm::vec3>(positions);
-    normals_ = gl::Buffer::of<uint32_t>(normals);
-    uvs_ = gl::Buffer::of<glm::vec2>(uvs);
-    indices_ = gl::Buffer::of<uint32_t>(indices);
+    vertices_[0] = gl::Buffer::of<FloatVertex>(floats);
+    vertices_[1] = gl::Buffer::of<CompactVertex>(compacts);
+    uvs_[0] = gl::Buffer::of<glm::vec2>(uvs);
+    uvs_[1] = gl::Buffer::of<uint32_t>(halfUvs);
+    indices_ = gl::Buffer::of<uint8_t>(indices);
     for (const scenegen::Texture& texture : scene.textures) textures_.push_back(uploadTexture(texture.image));
     colourSampler_ = gl::makeSampler({GL_LINEAR, true, GL_REPEAT});
     // Alpha is tested as the reference tests it: nearest texel of level 0.
@@ -59,34 +90,33 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
         box_.extend(boxes_.back());
     }
 
-    for (int i = 0; i < 4; ++i) {
-        const auto set = Attributes(i);
-        arrays_[i] = gl::makeVertexArray();
-        const GLuint vao = arrays_[i].name();
-        const auto attribute = [&](GLuint index, GLuint binding, GLint size, GLenum type, bool normalized, GLuint offset) {
-            glEnableVertexArrayAttrib(vao, index);
-            glVertexArrayAttribFormat(vao, index, size, type, normalized, offset);
-            glVertexArrayAttribBinding(vao, index, binding);
-        };
-        attribute(kPosition, kPositionBinding, 3, GL_FLOAT, false, 0);
-        glVertexArrayVertexBuffer(vao, kPositionBinding, positions_.name(), 0, sizeof(glm::vec3));
-        if (set == Attributes::positionUv || set == Attributes::all) {
-            attribute(kUv, kUvBinding, 2, GL_FLOAT, false, 0);
-            glVertexArrayVertexBuffer(vao, kUvBinding, uvs_.name(), 0, sizeof(glm::vec2));
+    for (const bool compact : {false, true})
+        for (int i = 0; i < 4; ++i) {
+            const auto set = Attributes(i);
+            gl::VertexArray& array = arrays_[compact][i] = gl::makeVertexArray();
+            const GLuint vao = array.name();
+            const auto attribute = [&](GLuint index, GLuint binding, GLint size, GLenum type, bool normalized, GLuint offset) {
+                glEnableVertexArrayAttrib(vao, index);
+                glVertexArrayAttribFormat(vao, index, size, type, normalized, offset);
+                glVertexArrayAttribBinding(vao, index, binding);
+            };
+            attribute(kPosition, kVertexBinding, 3, compact ? GL_UNSIGNED_SHORT : GL_FLOAT, false, 0);
+            glVertexArrayVertexBuffer(vao, kVertexBinding, vertices_[compact].name(), 0, compact ? sizeof(CompactVertex) : sizeof(FloatVertex));
+            if (set == Attributes::positionUv || set == Attributes::all) {
+                attribute(kUv, kUvBinding, 2, compact ? GL_HALF_FLOAT : GL_FLOAT, false, 0);
+                glVertexArrayVertexBuffer(vao, kUvBinding, uvs_[compact].name(), 0, compact ? sizeof(uint32_t) : sizeof(glm::vec2));
+            }
+            if (set == Attributes::positionNormal || set == Attributes::all)
+                attribute(kNormal, kVertexBinding, 2, compact ? GL_BYTE : GL_SHORT, true, compact ? offsetof(CompactVertex, normal) : offsetof(FloatVertex, normal));
+            attribute(kInstancePosition, kInstanceBinding, 4, GL_FLOAT, false, 0);
+            attribute(kInstanceYaw, kInstanceBinding, 2, GL_FLOAT, false, offsetof(InstanceData, cosSinYaw));
+            glVertexArrayBindingDivisor(vao, kInstanceBinding, 1);
+            glVertexArrayElementBuffer(vao, indices_.name());
         }
-        if (set == Attributes::positionNormal || set == Attributes::all) {
-            attribute(kNormal, kNormalBinding, 4, GL_INT_2_10_10_10_REV, true, 0);
-            glVertexArrayVertexBuffer(vao, kNormalBinding, normals_.name(), 0, sizeof(uint32_t));
-        }
-        attribute(kInstancePosition, kInstanceBinding, 4, GL_FLOAT, false, 0);
-        attribute(kInstanceYaw, kInstanceBinding, 2, GL_FLOAT, false, offsetof(InstanceData, cosSinYaw));
-        glVertexArrayBindingDivisor(vao, kInstanceBinding, 1);
-        glVertexArrayElementBuffer(vao, indices_.name());
-    }
 }
 
 size_t GpuScene::bufferBytes() const {
-    return positions_.bytes() + normals_.bytes() + uvs_.bytes() + indices_.bytes();
+    return vertices_[0].bytes() + vertices_[1].bytes() + uvs_[0].bytes() + uvs_[1].bytes() + indices_.bytes();
 }
 
 size_t GpuScene::textureBytes() const {
@@ -147,19 +177,20 @@ void GpuScene::setMaterial(uint32_t index, GLuint program) const {
 
 DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces) const {
     DrawCount count;
-    const GLuint vao = arrays_[int(attributes)].name();
-    glVertexArrayVertexBuffer(vao, kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
-    glBindVertexArray(vao);
+    for (const bool compact : {false, true})
+        glVertexArrayVertexBuffer(arrays_[compact][int(attributes)].name(), kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
+    const GLint gridLocation = glGetUniformLocation(program, "uGrid");
     uint32_t material = ~0u;
     for (const DrawList::Range& range : list.ranges)
         for (const GpuMesh& mesh : prototypes_[range.prototype].meshes) {
             if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
             if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, program);
             (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
+            glBindVertexArray(arrays_[mesh.packing.compact][int(attributes)].name());
+            glProgramUniform4fv(program, gridLocation, 1, &mesh.packing.grid.x);
             glDrawElementsInstancedBaseVertexBaseInstance(
-                GL_TRIANGLES, GLsizei(mesh.indexCount), GL_UNSIGNED_INT,
-                reinterpret_cast<const void*>(size_t(mesh.firstIndex) * sizeof(uint32_t)), GLsizei(range.count),
-                mesh.baseVertex, range.first);
+                GL_TRIANGLES, GLsizei(mesh.indexCount), mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT,
+                reinterpret_cast<const void*>(mesh.indexOffset), GLsizei(range.count), mesh.baseVertex, range.first);
             ++count.draws;
             count.triangles += size_t(mesh.indexCount / 3) * range.count;
         }

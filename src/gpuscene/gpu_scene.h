@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gl/objects.h"
+#include "gpuscene/pack.h"
 #include "scenegen/scene.h"
 
 #include <functional>
@@ -8,10 +9,12 @@
 
 namespace dapple::gpuscene {
 
-/// Indices of one material of one prototype within the scene's shared buffers.
+/// One material of one prototype within the scene's shared buffers.
 struct GpuMesh {
-    uint32_t firstIndex = 0, indexCount = 0;
-    int32_t baseVertex = 0;
+    Packing packing;
+    size_t indexOffset = 0;  ///< bytes
+    uint32_t indexCount = 0;
+    int32_t baseVertex = 0;  ///< among the compact vertices, or among the float vertices
     uint32_t material = 0;
     bool alphaTested = false;
     bool cullBack = false;  ///< single-sided material, hence a closed mesh: see Faces
@@ -57,7 +60,8 @@ struct DrawCount {
     size_t draws = 0, triangles = 0;
 };
 
-/// A Scene on the GPU: one vertex buffer per attribute, one index buffer, the textures.
+/// A Scene on the GPU: one buffer for compact vertices and one for the others, texture coordinates beside each where there
+/// are textures, one index buffer, the textures.
 class GpuScene {
 public:
     explicit GpuScene(const scenegen::Scene& scene);
@@ -75,7 +79,7 @@ public:
     /// Scene::origin), nearest first. `keep` gets the index of an instance.
     void collect(const glm::dvec3& eye, const std::function<bool(uint32_t instance)>& keep, DrawList& list) const;
 
-    /// Submits the meshes of a bucket. Unless `attributes` is position alone, the material is set on `program`
+    /// Submits the meshes of a bucket, their grid set as uGrid on `program`. Unless `attributes` is position alone, the material is set on `program`
     /// (uAlbedo = colour and specular strength, uTextured) and its texture bound to units 0 (colour) and 1
     /// (alpha, nearest texel of level 0 as in the reference).
     DrawCount draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces = Faces::front) const;
@@ -92,8 +96,8 @@ private:
     std::vector<base::Box> boxes_;
     base::Box box_;
     std::vector<gl::Texture> textures_;
-    gl::Buffer positions_, normals_, uvs_, indices_;
-    gl::VertexArray arrays_[4];  // by Attributes
+    gl::Buffer vertices_[2], uvs_[2], indices_;  // of float vertices, of compact ones
+    gl::VertexArray arrays_[2][4];               // the same, by Attributes
     gl::Sampler colourSampler_, alphaSampler_;
     bool hasOpaque_ = false, hasAlpha_ = false, hasOpaqueTextures_ = false;
 };

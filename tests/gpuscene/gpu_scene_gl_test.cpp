@@ -2,6 +2,8 @@
 
 #include "base/random.h"
 #include "gl/context.h"
+#include "gl/program.h"
+#include "scenegen/lod/grid.h"
 
 #include <gtest/gtest.h>
 
@@ -66,13 +68,66 @@ TEST_F(GpuSceneTest, BucketsFollowFromTheContent) {
 TEST_F(GpuSceneTest, BytesAreThoseOfTheContent) {
     const scenegen::Scene scene = sceneOf({{fan(3, 0, false)}, {fan(5, 1, true)}});
     const GpuScene gpu(scene);
-    const size_t vertices = 5 + 7, indices = 3 * (3 + 5);
-    EXPECT_EQ(gpu.bufferBytes(), vertices * (12 + 4 + 8) + indices * 4);
+    // Neither fan lies on a grid. Texture coordinates stand beside all vertices as soon as there is a texture. The two
+    // buffers for compact vertices are empty, for which GL asks 16 bytes.
+    EXPECT_EQ(gpu.bufferBytes(), (5 + 7) * (16 + 8) + 3 * (3 + 5) * 2 + 2 * 16);
     EXPECT_EQ(gpu.textureBytes(), (4u * 2 + 2 * 1 + 1) * 4);
     ASSERT_EQ(gpu.prototypes().size(), 2u);
     EXPECT_EQ(gpu.prototypes()[1].triangles, 5u);
     EXPECT_EQ(gpu.prototypes()[1].meshes[0].baseVertex, 5);
-    EXPECT_EQ(gpu.prototypes()[1].meshes[0].firstIndex, 9u);
+    EXPECT_EQ(gpu.prototypes()[1].meshes[0].indexOffset, 9u * 2);
+}
+
+/// Leaves and a fan on a grid; `compact` false: the same with a vertex far out that no triangle uses.
+scenegen::Scene gridded(bool compact) {
+    base::Random random(3, 0, 0);
+    scenegen::Mesh leaves, wheel = fan(40, 1, true);
+    for (int i = 0; i < 400; ++i) {
+        leaves.positions.push_back({random.next(-3, 3), random.next(-3, 3), random.next(0, 3)});
+        leaves.normals.push_back(glm::normalize(glm::vec3(random.next(-1, 1), random.next(-1, 1), random.next(-1, 1))));
+    }
+    for (uint32_t leaf = 0; leaf < 100; ++leaf)
+        for (const uint32_t corner : {0, 1, 2, 0, 2, 3}) leaves.indices.push_back(4 * leaf + corner);
+    for (scenegen::Mesh* mesh : {&leaves, &wheel}) {
+        scenegen::snapToGrid(*mesh);
+        if (compact) continue;
+        mesh->positions.push_back({1e6f, 0, 0});
+        mesh->normals.push_back({0, 0, 1});
+        if (!mesh->uvs.empty()) mesh->uvs.push_back({0, 0});
+    }
+    return sceneOf({{leaves, wheel}});
+}
+
+// Oracle: the float vertices of the same positions.
+TEST_F(GpuSceneTest, CompactVerticesGiveTheSameDepthToTheBit) {
+    const gl::Program program("shadow/map_depth.vert", "");
+    std::vector<float> depths[2];
+    for (const bool compact : {false, true}) {
+        const scenegen::Scene scene = gridded(compact);
+        const GpuScene gpu(scene);
+        for (const GpuMesh& mesh : gpu.prototypes()[0].meshes) EXPECT_EQ(mesh.packing.compact, compact);
+        EXPECT_EQ(gpu.prototypes()[0].meshes[0].packing.indices == Packing::Indices::quads, compact);
+        DrawList list;
+        list.data.push_back({{0.1f, 0.2f, 0}, 1.1f, {0.6f, 0.8f}});
+        list.ranges.push_back({0, 0, 1});
+        list.upload();
+        gl::Texture depth(GL_DEPTH_COMPONENT32F, 256, 256);
+        const gl::Framebuffer target = gl::makeFramebuffer({}, &depth);
+        gl::resetState();
+        glBindFramebuffer(GL_FRAMEBUFFER, target.name());
+        glViewport(0, 0, 256, 256);
+        glEnable(GL_DEPTH_TEST);
+        const float one = 1;
+        glClearBufferfv(GL_DEPTH, 0, &one);
+        program.set("uLightClip", glm::mat4(0.2f, 0.03f, 0.01f, 0, 0.02f, 0.2f, 0.05f, 0, 0.01f, 0.1f, 0.05f, 0, 0, 0, 0.3f, 1));
+        program.use();
+        gpu.draw(list, Bucket::opaque, Attributes::position, program.name(), Faces::both);
+        depths[compact].resize(256 * 256);
+        glGetTextureImage(depth.name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT, 256 * 256 * 4, depths[compact].data());
+        gl::resetState();
+    }
+    EXPECT_GT(std::count_if(depths[0].begin(), depths[0].end(), [](float d) { return d < 1; }), 5000);
+    EXPECT_EQ(depths[0], depths[1]);
 }
 
 TEST_F(GpuSceneTest, OnlySingleSidedMaterialsCullTheirBacks) {

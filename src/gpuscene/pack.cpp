@@ -1,0 +1,82 @@
+#include "gpuscene/pack.h"
+
+#include "scenegen/lod/grid.h"
+
+#include <glm/gtc/packing.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace dapple::gpuscene {
+namespace {
+
+/// Exponent of the lowest bit of a finite float that is not 0.
+int lowestBit(float v) {
+    const uint32_t bits = std::bit_cast<uint32_t>(v), mantissa = bits & 0x7FFFFF;
+    const int exponent = int(bits >> 23 & 0xFF);
+    if (exponent == 0) return -149 + std::countr_zero(mantissa);
+    return exponent - 150 + (mantissa ? std::countr_zero(mantissa) : 23);
+}
+
+bool isHalf(const glm::vec2& uv) { return glm::unpackHalf2x16(glm::packHalf2x16(uv)) == uv; }
+
+template <class Integer>
+void pack(const glm::vec3& unitNormal, Integer (&normal)[2]) {
+    constexpr float top = float((1 << (8 * sizeof(Integer) - 1)) - 1);
+    const glm::vec2 oct = octahedral(unitNormal);
+    for (int k = 0; k < 2; ++k) normal[k] = Integer(std::lround(oct[k] * top));
+}
+
+}  // namespace
+
+Packing choosePacking(const scenegen::Mesh& mesh) {
+    Packing packing;
+    base::Box box;
+    int lowest = 127;
+    for (const glm::vec3& p : mesh.positions) {
+        box.extend(p);
+        for (int k = 0; k < 3; ++k)
+            if (p[k] != 0) lowest = std::min(lowest, lowestBit(p[k]));
+    }
+    const float step = std::exp2(float(lowest));
+    // Far from the range in which the steps, or their products, would not be normal floats.
+    if (!box.empty() && std::abs(lowest) < 60) {
+        const glm::dvec3 steps = (glm::dvec3(box.hi) - glm::dvec3(box.lo)) / double(step);
+        packing.compact = std::max({steps.x, steps.y, steps.z}) <= 65535 && std::all_of(mesh.uvs.begin(), mesh.uvs.end(), isHalf);
+        if (packing.compact) packing.grid = {box.lo, step};
+    }
+    if (mesh.positions.size() <= 65536) packing.indices = scenegen::isQuadList(mesh) ? Packing::Indices::quads : Packing::Indices::bits16;
+    return packing;
+}
+
+size_t Packing::bytes(const scenegen::Mesh& mesh) const {
+    const size_t vertex = compact ? sizeof(CompactVertex) : sizeof(FloatVertex), uv = compact ? 4 : 8;
+    const size_t index = indices == Indices::quads ? 0 : indices == Indices::bits16 ? 2 : 4;
+    return mesh.positions.size() * vertex + mesh.uvs.size() * uv + mesh.indices.size() * index;
+}
+
+glm::vec2 octahedral(const glm::vec3& n) {
+    const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+    if (sum == 0) return {0, 0};  // no normal; up is as good as any
+    const glm::vec2 flat = glm::vec2(n) / sum;
+    if (n.z >= 0) return flat;
+    return {(1 - std::abs(flat.y)) * (flat.x >= 0 ? 1.0f : -1.0f), (1 - std::abs(flat.x)) * (flat.y >= 0 ? 1.0f : -1.0f)};
+}
+
+CompactVertex::CompactVertex(const Packing& packing, const glm::vec3& at, const glm::vec3& unitNormal) {
+    for (int k = 0; k < 3; ++k) position[k] = uint16_t((double(at[k]) - double(packing.grid[k])) / double(packing.grid.w));
+    pack(unitNormal, normal);
+}
+
+FloatVertex::FloatVertex(const glm::vec3& at, const glm::vec3& unitNormal) : position(at) { pack(unitNormal, normal); }
+
+size_t packedBytes(const scenegen::Scene& scene) {
+    size_t sum = 0;
+    for (const scenegen::Prototype& prototype : scene.prototypes)
+        for (const scenegen::Mesh& mesh : prototype.meshes)
+            if (!mesh.indices.empty()) sum += choosePacking(mesh).bytes(mesh);
+    return sum;
+}
+
+}  // namespace dapple::gpuscene
