@@ -5,7 +5,11 @@ layout(binding = 1) uniform usampler2D uSurface;
 layout(binding = 2) uniform sampler2D uDepth;
 uniform vec3 uLight;
 layout(location = 0) out vec2 oVisibility;
+#ifdef OWN_DEPTH
+#define oDepth gl_FragDepth
+#else
 layout(location = 1) out float oDepth;
+#endif
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);

@@ -34,7 +34,7 @@ Buffer::Buffer(size_t bytes, const void* data, bool dynamic) : bytes_(std::max<s
 
 void Buffer::update(size_t bytes, const void* data) {
     if (bytes > bytes_ || !handle_) *this = Buffer(std::max(bytes, bytes_ * 2), nullptr, true);
-    if (bytes > 0) glNamedBufferSubData(handle_.name(), 0, GLsizeiptr(bytes), data);
+    if (bytes > 0 && data) glNamedBufferSubData(handle_.name(), 0, GLsizeiptr(bytes), data);
 }
 
 size_t bytesPerTexel(GLenum format) {
@@ -43,7 +43,7 @@ size_t bytesPerTexel(GLenum format) {
         case GL_RG8: case GL_DEPTH_COMPONENT16: case GL_R16F: return 2;
         case GL_RGBA8: case GL_SRGB8_ALPHA8: case GL_R32F: case GL_RG16F: case GL_RG16: case GL_R32UI:
         case GL_DEPTH_COMPONENT24: case GL_DEPTH_COMPONENT32F: return 4;
-        case GL_RGBA16: case GL_RGBA16F: case GL_RG32F: return 8;
+        case GL_RGBA16: case GL_RGBA16F: case GL_RG32F: case GL_DEPTH32F_STENCIL8: return 8;
         case GL_RGBA32F: case GL_RGBA32UI: return 16;
         default: throw base::Error(base::ExitCode::failed, fmt::format("no texel size known for format 0x{:x}", format));
     }
@@ -93,8 +93,9 @@ Framebuffer makeFramebuffer(std::span<const Texture* const> colours, const Textu
         buffers[i] = GLenum(GL_COLOR_ATTACHMENT0 + i);
         glNamedFramebufferTexture(name, buffers[i], colours[i]->name(), 0);
     }
-    if (depth && depthLayer >= 0) glNamedFramebufferTextureLayer(name, GL_DEPTH_ATTACHMENT, depth->name(), 0, depthLayer);
-    else if (depth) glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth->name(), 0);
+    const GLenum point = depth && depth->format() == GL_DEPTH32F_STENCIL8 ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT;
+    if (depth && depthLayer >= 0) glNamedFramebufferTextureLayer(name, point, depth->name(), 0, depthLayer);
+    else if (depth) glNamedFramebufferTexture(name, point, depth->name(), 0);
     if (colours.empty()) glNamedFramebufferDrawBuffer(name, GL_NONE);
     else glNamedFramebufferDrawBuffers(name, GLsizei(colours.size()), buffers.data());
     const GLenum status = glCheckNamedFramebufferStatus(name, GL_FRAMEBUFFER);
@@ -109,6 +110,9 @@ void resetState() {
     glBindVertexArray(0);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_DEPTH_CLAMP);
+    glDisable(GL_STENCIL_TEST);
+    glStencilFunc(GL_ALWAYS, 0, ~0u);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
     glDisable(GL_CULL_FACE);
     glDisable(GL_BLEND);
     glDisable(GL_SCISSOR_TEST);

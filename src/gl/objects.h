@@ -46,7 +46,7 @@ public:
     Buffer(size_t bytes, const void* data, bool dynamic = false);
     template <class T>
     static Buffer of(std::span<const T> items) { return Buffer(items.size_bytes(), items.data()); }
-    /// Replaces the first `bytes`; grows the storage (new name) when it is too small.
+    /// Replaces the first `bytes` (data null: leaves them undefined); grows the storage (new name) when it is too small.
     void update(size_t bytes, const void* data);
     GLuint name() const { return handle_.name(); }
     size_t bytes() const { return bytes_; }

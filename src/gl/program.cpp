@@ -89,23 +89,28 @@ GLuint compile(GLenum stage, const std::string& file, const std::vector<std::str
 
 void deleteProgram(GLuint name) { glDeleteProgram(name); }
 
-Program::Program(const std::string& vertex, const std::string& fragment, const std::vector<std::string>& defines) {
+Program::Program(const std::string& vertex, const std::string& fragment, const std::vector<std::string>& defines)
+    : Program({{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}}, defines) {}
+
+Program Program::compute(const std::string& file, const std::vector<std::string>& defines) {
+    return Program({{GL_COMPUTE_SHADER, file}}, defines);
+}
+
+Program::Program(std::initializer_list<Stage> stages, const std::vector<std::string>& defines) {
     const GLuint program = glCreateProgram();
     handle_ = Handle<deleteProgram>(program);
-    const auto attach = [&](GLenum stage, const std::string& file) {
+    std::string names;
+    for (const auto& [stage, file] : stages) {
+        if (file.empty()) continue;
         const GLuint shader = compile(stage, file, defines);
         glAttachShader(program, shader);
         glDeleteShader(shader);  // freed with the program
-    };
-    attach(GL_VERTEX_SHADER, vertex);
-    if (!fragment.empty()) attach(GL_FRAGMENT_SHADER, fragment);
+        names += (names.empty() ? "shaders/" : " and shaders/") + file;
+    }
     glLinkProgram(program);
     GLint ok = 0;
     glGetProgramiv(program, GL_LINK_STATUS, &ok);
-    if (!ok) {
-        throw base::UsageError(fmt::format("shaders/{} and shaders/{} do not link: {}", vertex, fragment,
-                                           readableLog(infoLog(glGetProgramInfoLog, program), {})));
-    }
+    if (!ok) throw base::UsageError(fmt::format("{} do not link: {}", names, readableLog(infoLog(glGetProgramInfoLog, program), {})));
 }
 
 void Program::set(const char* u, int v) const { glProgramUniform1i(name(), location(u), v); }

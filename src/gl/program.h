@@ -4,7 +4,9 @@
 
 #include <glm/glm.hpp>
 
+#include <initializer_list>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dapple::gl {
@@ -19,6 +21,8 @@ public:
     /// Vertex and fragment stage; an empty `fragment` makes a depth-only program.
     /// Throws UsageError with file, line and the driver's log when a stage does not compile.
     Program(const std::string& vertex, const std::string& fragment, const std::vector<std::string>& defines = {});
+    /// A compute shader alone. The same errors.
+    static Program compute(const std::string& file, const std::vector<std::string>& defines = {});
     void use() const { glUseProgram(handle_.name()); }
     GLuint name() const { return handle_.name(); }
 
@@ -33,6 +37,8 @@ public:
     void set(const char* uniform, std::span<const glm::vec4> v) const;
 
 private:
+    using Stage = std::pair<GLenum, std::string>;
+    Program(std::initializer_list<Stage> stages, const std::vector<std::string>& defines);
     GLint location(const char* uniform) const { return glGetUniformLocation(handle_.name(), uniform); }
     Handle<deleteProgram> handle_;
 };

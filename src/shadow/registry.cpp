@@ -20,8 +20,10 @@ const std::vector<Axis> kAxes{
     {"cascades", "number of maps of a split", {}, 1, 8},
     {"lambda", "weight λ of the logarithmic split", {{"0", "uniform"}, {"0.5", ""}, {"0.75", ""}, {"0.95", ""}, {"1", "logarithmic"}}},
     {"size", "texels along a side of each map", {}, 1, 32768},
-    {"cull", "casters left out of a map",
-     {{"none", "none"}, {"frustum", "those whose shadow cannot reach the part of the view that the map serves"}}},
+    {"cull", "casters left out of a map, or of the volumes",
+     {{"none", "none"},
+      {"frustum", "those whose shadow cannot reach the part of the view that the map serves"},
+      {"mask", "those whose shadow cannot reach a receiver in sight, found on the GPU"}}},
     {"bias", "what moves the receiver off its own surface",
      {{"constant", "along the light"},
       {"slope", "along the light, the least that suffices for the receiver's plane and the filter's kernel"},
@@ -34,10 +36,21 @@ const std::vector<Axis> kAxes{
     {"mode", "how the two maps nearest to an instance's rotation are combined",
      {{"nearest", "the nearer one alone"},
       {"blend", "their binary results, blended"},
-      {"depth", "their depths, interpolated before the comparison (Buntin & Stamminger)"}}},
+      {"depth", "their depths, interpolated before the comparison (Buntin & Stamminger)"},
+      {"exact", "a map of its own for every instance, at its own rotation: what the others are held against"}}},
     {"sample-frame", "where a receiver enters a rotated map",
      {{"A", "unrotated: the shadow's direction is exact, the caster's detail is the map's"},
-      {"B", "rotated into the map's object frame: the detail is exact, the sun's azimuth is the map's"}}},
+      {"B", "rotated into the map's object frame: the detail is exact, the sun's azimuth is the map's"},
+      {"E", "rotated about the point of its ray to the sun that is nearest to the caster"},
+      {"EB", "B within the caster's box, E elsewhere"}}},
+    {"apply", "how pixels and casters find each other",
+     {{"zfail", "back faces of the bounding shadow volumes behind the scene, each pixel tested against its volume"},
+      {"zpass", "front faces before the scene; back faces where a volume holds the eye"},
+      {"skip", "zfail without the test: outside its volume a map says lit"},
+      {"tiled", "a compute pass bins the volumes to tiles of 16 × 16 pixels, and each pixel asks its tile's casters"},
+      {"all", "one pass asks every caster at every pixel: the baseline before bounding volumes"}}},
+    {"accumulate", "how several shadows on one pixel add up",
+     {{"min", "the darkest"}, {"multiply", "their product (blending that dims)"}, {"stencil", "the first one; a stencil bit stops the rest"}}},
     {"update", "when maps are rendered",
      {{"cached", "once; nothing that they depend on changes"}, {"regenerate", "every frame"}}},
 };
@@ -56,8 +69,9 @@ const std::vector<TechniqueInfo> kTechniques{
      mapPreset("lispsm", "none", "1", "2048")},
     {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024")},
     {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)",
-     {{"size", "512"}, {"rotations", "12"}, {"mode", "depth"}, {"sample-frame", "A"}, {"update", "cached"},
-      {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}}},
+     {{"size", "512"}, {"rotations", "12"}, {"mode", "depth"}, {"sample-frame", "A"}, {"apply", "zfail"}, {"accumulate", "min"},
+      {"cull", "frustum"}, {"update", "cached"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}},
+     2},
 };
 
 template <class Items>
@@ -129,6 +143,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
     if (number("size") > limits.maxTextureSize)
         return fmt::format("size {} is beyond this GL's limit of {} texels", number("size"), limits.maxTextureSize);
     if (info.family == "map") {
+        if (is("cull", "mask")) return "receiver masks are for the volumes of instanced maps; a map culls by frustum";
         if (is("split", "none") && number("cascades") > 1) return "split none has one map, so cascades must be 1";
         if (is("split", "practical") && number("cascades") == 1) return "a split into 1 is split none";
         if (is("split", "practical") && is("fit", "scene")) return "fit scene gives every cascade the same window";
@@ -137,7 +152,14 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
     if (info.family == "instanced") {
         if (is("mode", "depth") && !is("filter", "nearest"))
             return "interpolated depths have no common texel grid, so mode depth goes with filter nearest";
-        if (is("rotations", "1") && !is("mode", "nearest")) return "one rotation has no second map to combine: mode nearest";
+        if (is("rotations", "1") && !is("mode", "nearest") && !is("mode", "exact")) return "one rotation has no second map to combine: mode nearest";
+        if (is("mode", "exact") && !is("rotations", info.defaults.at("rotations").c_str())) return "mode exact has each instance's own rotation";
+        if (is("mode", "exact") && !is("sample-frame", "A")) return "mode exact rotates no sample: sample-frame A";
+        const bool volumes = !is("apply", "tiled") && !is("apply", "all");
+        if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
+        if (!volumes && is("cull", "mask")) return "the mask is for volumes";
+        if (is("cull", "mask") && (is("apply", "zpass") || !is("accumulate", "min"))) return "masked volumes are drawn in no fixed order: apply zfail or skip, accumulate min";
+        if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";
     }
     return std::nullopt;
 }

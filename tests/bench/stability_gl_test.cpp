@@ -2,11 +2,14 @@
 // day it is added.
 #include "bench/gl_workbench.h"
 #include "bench/stress.h"
+#include "base/random.h"
 #include "scenegen/library.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace dapple::bench {
 namespace {
@@ -208,6 +211,61 @@ TEST(Instanced, OnAMapsAngleModesAndFramesAgree) {
     for (const char* mode : {"nearest", "blend", "depth"})
         for (const char* sampleFrame : {"A", "B"})
             EXPECT_EQ(render(spec("box", "instanced", {{"mode", mode}, {"sample-frame", sampleFrame}})).visibility, nearest.visibility) << mode << sampleFrame;
+}
+
+// However pixels and casters find each other, and however their shadows add up, the visibility image is the same.
+TEST(Instanced, EveryWayToApplyTheMapsGivesTheSamePixels) {
+    const shadow::Settings ways[] = {{{"apply", "zpass"}}, {{"apply", "skip"}}, {{"apply", "tiled"}}, {{"apply", "all"}},
+                                     {{"accumulate", "multiply"}}, {{"accumulate", "stencil"}}, {{"cull", "mask"}}, {{"cull", "mask"}, {"apply", "skip"}}};
+    for (const char* stress : {"", "sun-1deg", "sun-zenith", "duelling", "depth-range"})
+        for (const char* mode : {"nearest", "depth"}) {
+            const Rendered base = render(spec("forest-small", "instanced", {{"mode", mode}}, stress));
+            size_t dark = 0;
+            for (size_t i = 0; i < base.visibility.size(); ++i) dark += base.visibility[i] == 0 && base.validity[i];
+            EXPECT_TRUE(dark > 500 || *stress != 0);
+            for (shadow::Settings way : ways) {
+                std::string name = std::string(stress) + " " + mode;
+                for (const auto& [axis, value] : way) name += " " + axis + "=" + value;
+                SCOPED_TRACE(name);
+                way["mode"] = mode;
+                const Rendered other = render(spec("forest-small", "instanced", way, stress));
+                size_t different = 0;
+                for (size_t i = 0; i < base.visibility.size(); ++i) different += base.visibility[i] != other.visibility[i];
+                EXPECT_EQ(different, 0u);
+                EXPECT_EQ(other.validity, base.validity);
+            }
+        }
+}
+
+// Oracle: a map per instance at its own rotation. At a map's own angle every sample frame is that map's, and modes agree.
+TEST(Instanced, OnAMapsAngleEveryModeIsTheExactMap) {
+    workbench();
+    scenegen::Scene scene = scenegen::loadScene("forest-small");
+    base::Random random(1, 0, 0);
+    for (scenegen::Instance& instance : scene.instances) {
+        instance.yaw = float(2 * std::numbers::pi * double(int(random.next(0, 12))) / 12);
+        instance.scale = 1;
+    }
+    const gpuscene::GpuScene gpu(scene);
+    frame::Frame frame(gpu, scene.views.front(), 160, 120);
+    const auto visibility = [&](const shadow::Settings& axes) {
+        shadow::Settings settings = shadow::resolve(shadow::technique("instanced"), axes);
+        settings["size"] = "256";
+        shadow::Renderer renderer(frame, shadow::technique("instanced"), settings);
+        frame::PassObserver silent;
+        renderer.render(silent);
+        return renderer.visibility();
+    };
+    const std::vector<float> exact = visibility({{"mode", "exact"}});
+    EXPECT_GT(std::count(exact.begin(), exact.end(), 0.0f), 1000);
+    for (const char* mode : {"nearest", "blend", "depth"})
+        for (const char* sampleFrame : {"A", "B", "E", "EB"}) {
+            const std::vector<float> other = visibility({{"mode", mode}, {"sample-frame", sampleFrame}});
+            size_t different = 0;
+            for (size_t i = 0; i < exact.size(); ++i) different += exact[i] != other[i];
+            // The exact map's rotation is the instance's float, the shared one's the double that it was rounded from.
+            EXPECT_LE(different, exact.size() / 2000) << mode << " " << sampleFrame;
+        }
 }
 
 TEST(Limits, AMapBeyondTheGlLimitIsRefusedWithAReason) {

@@ -7,7 +7,7 @@ namespace dapple::measure {
 /// What the CPU itself knows that it asked for, in one frame or one pass. Exact, the same on every machine.
 struct Ledger {
     uint64_t drawCalls = 0;           ///< glDraw* commands; a multi-draw counts once
-    uint64_t trianglesSubmitted = 0;  ///< × instances
+    uint64_t trianglesSubmitted = 0;  ///< × instances; an indirect draw's as if it drew all that it may
     uint64_t texelsWritten = 0;       ///< of the technique's maps, cleared or rendered
 
     Ledger& operator+=(const Ledger& other) {

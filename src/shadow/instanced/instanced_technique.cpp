@@ -1,79 +1,63 @@
 // Instanced shadow maps (Buntin & Stamminger 2007): per caster type, maps of the object rotated about the vertical in
-// equal steps; per instance, the bounding shadow volume of its box picks the pixels that look one up.
+// equal steps; per instance, the bounding shadow volume of its box says which pixels look one up.
 #include "shadow/families.h"
 
+#include "shadow/instanced/caster_list.h"
 #include "shadow/instanced/volume.h"
-#include "shadow/map/caster_cull.h"
 
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 
 namespace dapple::shadow {
 namespace {
 
-using gpuscene::Bucket;
+constexpr int kReceiverTile = 64;  ///< pixels, of receiver_tiles.comp
+constexpr int kTile = 16;          ///< of instanced_tiled.comp
 
 class InstancedTechnique final : public Technique {
 public:
     InstancedTechnique(frame::Frame& frame, const Settings& settings)
-        : frame_(frame), settings_(settings), size_(std::stoi(settings.at("size"))),
-          rotations_(frame.scene().facts().rotated ? std::stoi(settings.at("rotations")) : 1),
-          // Cached maps must not depend on the view, so neither does their basis.
-          basis_(lightBasis(frame.light(), {0, 0, 1})) {
-        makeTypes();
+        : frame_(frame), settings_(settings), maps_(frame, settings), casters_(frame, maps_) {
         makePrograms();
-        const auto& camera = frame.camera();
-        depthCopy_ = gl::Texture(GL_R32F, camera.width, camera.height);
-        const gl::Texture* begin[] = {&frame.visibility(), &depthCopy_};
-        const gl::Texture* volume[] = {&frame.visibility()};
-        beginTarget_ = gl::makeFramebuffer(begin, nullptr);
-        volumeTarget_ = gl::makeFramebuffer(volume, &frame.depth());
-        corners_ = gl::Buffer::of<uint32_t>(boxShadowVolume());
-        const bool compare = settings.at("mode") != "depth", linear = settings.at("filter") != "nearest";
-        sampler_ = gl::makeSampler({GLenum(linear ? GL_LINEAR : GL_NEAREST), false, GL_CLAMP_TO_BORDER, compare});
-        if (types_.empty()) return;
-        map_ = gl::Texture(GL_DEPTH_COMPONENT32F, size_, size_, int(types_.size()) * rotations_);
-        for (int i = 0; i < map_.layers(); ++i) targets_.push_back(gl::makeFramebuffer({}, &map_, i));
-        if (cached()) {
-            measure::Ledger ignored;
-            gl::resetState();
-            renderMaps(ignored);
-            gl::resetState();
-        }
+        makeTargets();
+        if (!is("update", "cached") || maps_.types().empty()) return;
+        measure::Ledger ignored;
+        gl::resetState();
+        maps_.render(ignored);
+        gl::resetState();
     }
 
     std::vector<frame::Pass> passes() override {
-        std::string mapsLeftOut, volumesLeftOut;
-        if (types_.empty()) mapsLeftOut = volumesLeftOut = "the scene has no caster";
-        else if (cached()) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
-        std::vector<frame::Pass> passes{
-            {"maps", {}, {"maps"}, fmt::format("{} rotations of each caster type", rotations_), mapsLeftOut,
-             [this](measure::Ledger& tally) { renderMaps(tally); }},
-            {"begin", {"gbuffer", "depth"}, {"visibility", "depth-copy"}, "lit where the surface faces the sun; depth to read", "",
-             [this](measure::Ledger& tally) { begin(tally); }},
-            {"volumes", {"visibility", "depth-copy"}, {"visibility"}, "look-ups inside each instance's bounding shadow volume",
-             volumesLeftOut, [this](measure::Ledger& tally) { renderVolumes(volumes_, tally); }}};
-        if (rotations_ == 1 && settings_.at("rotations") != "1")
-            passes.insert(passes.begin(), frame::Pass{"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated: one map per type serves", {}});
+        using measure::Ledger;
+        std::string mapsLeftOut, leftOut;
+        if (maps_.types().empty()) mapsLeftOut = leftOut = "the scene has no caster";
+        else if (is("update", "cached")) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
+        std::vector<frame::Pass> passes;
+        if (maps_.windows().size() == maps_.types().size() && !is("rotations", "1"))
+            passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
+        passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.windows().size(), maps_.types().size()), mapsLeftOut,
+                          [this](Ledger& tally) { maps_.render(tally); }});
+        if (is("apply", "tiled") && leftOut.empty()) {
+            passes.push_back({"tiles", {"gbuffer", "depth", "maps"}, {"visibility"}, "each tile of the screen finds its casters, each pixel asks them", "",
+                              [this](Ledger& tally) { resolveTiles(tally); }});
+        } else if (is("apply", "all") && leftOut.empty()) {
+            passes.push_back({"all", {"gbuffer", "depth", "maps"}, {"visibility"}, "each pixel asks every caster", "", [this](Ledger& tally) { resolveAll(tally); }});
+        } else {
+            passes.push_back({"begin", {"gbuffer", "depth"}, {"visibility", "depth-copy"}, "lit where the surface faces the sun; depth to read", "",
+                              [this](Ledger& tally) { begin(tally); }});
+            if (masked())
+                passes.push_back({"mask", {"gbuffer", "depth"}, {"survivors"}, "which instances' shadow volumes meet a visible receiver", leftOut,
+                                  [this](Ledger& tally) { mask(tally); }});
+            passes.push_back({"volumes", {"visibility", "depth-copy"}, {"visibility"}, "look-ups inside each instance's bounding shadow volume", leftOut,
+                              [this](Ledger& tally) { renderVolumes(tally); }});
+        }
         return passes;
     }
 
-    std::vector<LightMatrix> matrices() const override {
-        std::vector<LightMatrix> result;
-        for (const Type& type : types_)
-            for (int k = 0; k < rotations_; ++k)
-                result.push_back({fmt::format("prototype '{}' rotated by {:.6g} degrees, relative to its own origin",
-                                              frame_.scene().scene().prototypes[type.prototype].name, 360.0 * k / rotations_),
-                                  mapClip(type, k)});
-        return result;
-    }
-
-    const gl::Texture* map() const override { return map_.name() ? &map_ : nullptr; }
+    std::vector<LightMatrix> matrices() const override { return maps_.matrices(); }
+    const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.array(); }
 
     bool countOverdraw() override {
+        if (is("apply", "tiled") || is("apply", "all")) return false;
         const gl::Texture* colours[] = {&frame_.overdraw()};
         const gl::Framebuffer target = gl::makeFramebuffer(colours, &frame_.depth());
         gl::resetState();
@@ -83,106 +67,65 @@ public:
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         measure::Ledger ignored;
-        if (!types_.empty()) submitVolumes(count_, ignored);
+        if (!maps_.types().empty()) submitVolumes(count_, ignored);
         gl::resetState();
         return true;
     }
 
 private:
-    /// A prototype that casts, with its windows: one per rotation, (centre u, centre v, 1/half u, 1/half v).
-    struct Type {
-        uint32_t prototype;
-        int firstLayer;
-        base::Box box;               // prototype space, padded by the kernel
-        std::vector<glm::vec4> windows;
-        double depthNear, depthFar;  // metres along l from the prototype's origin, common to all rotations
-        gpuscene::DrawList rotated;  // the prototype at each rotation
-    };
-
-    bool cached() const { return settings_.at("update") == "cached"; }
-    double angle(int k) const { return 2 * std::numbers::pi * k / rotations_; }
-
-    void makeTypes() {
-        const gpuscene::GpuScene& scene = frame_.scene();
-        std::vector<bool> used(scene.prototypes().size());
-        for (const scenegen::Instance& instance : scene.scene().instances) used[instance.prototype] = true;
-        for (uint32_t p = 0; p < used.size(); ++p) {
-            const gpuscene::GpuPrototype& prototype = scene.prototypes()[p];
-            if (!used[p] || !prototype.castsShadow || prototype.triangles == 0) continue;
-            Type type{p, int(types_.size()) * rotations_, prototype.box, {}, 1e300, -1e300, {}};
-            const double pad = kernelRadius(settings_) + 1.5, share = std::max(0.5, 1 - 2 * pad / size_);
-            double texel = 0;
-            for (int k = 0; k < rotations_; ++k) {
-                const double c = std::cos(angle(k)), s = std::sin(angle(k));
-                base::DBox bounds;
-                for (int corner = 0; corner < 8; ++corner) {
-                    const glm::dvec3 q(prototype.box.corner(corner));
-                    bounds.extend(basis_.toLight({c * q.x - s * q.y, s * q.x + c * q.y, q.z}));
-                }
-                const glm::dvec3 half = glm::max(bounds.halfSize(), glm::dvec3(1e-6)) / glm::dvec3(share, share, 1);
-                type.windows.emplace_back(bounds.centre().x, bounds.centre().y, 1 / half.x, 1 / half.y);
-                type.depthNear = std::min(type.depthNear, bounds.lo.z);
-                type.depthFar = std::max(type.depthFar, bounds.hi.z);
-                texel = std::max(texel, 2 * std::max(half.x, half.y) / size_);
-                type.rotated.data.push_back({glm::vec3(0), 1, {float(c), float(s)}});
-            }
-            // Receivers within the kernel's reach of a shadow's edge need the volume too.
-            type.box.lo -= float(pad * texel);
-            type.box.hi += float(pad * texel);
-            type.depthNear -= texel;
-            type.depthFar += texel;
-            type.rotated.upload();
-            types_.push_back(std::move(type));
-        }
-    }
+    bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
+    bool masked() const { return is("cull", "mask"); }
 
     void makePrograms() {
-        const gpuscene::GpuScene& scene = frame_.scene();
-        if (scene.has(Bucket::opaque)) depth_ = gl::Program("shadow/map_depth.vert", "");
-        if (scene.has(Bucket::alphaTested)) depthAlpha_ = gl::Program("shadow/map_depth.vert", "shadow/map_depth.frag", {"ALPHA_TEST"});
-        begin_ = gl::Program("passes/fullscreen.vert", "shadow/instanced_begin.frag");
-        std::vector<std::string> defines = samplingDefines(settings_);
-        const std::string& mode = settings_.at("mode");
-        defines.push_back(fmt::format("MODE {}", mode == "nearest" ? 0 : mode == "blend" ? 1 : 2));
-        if (settings_.at("sample-frame") == "B") defines.push_back("SAMPLE_ROTATED");
-        volumes_ = gl::Program("shadow/instanced.vert", "shadow/instanced.frag", defines);
-        count_ = gl::Program("shadow/instanced.vert", "passes/count.frag");
+        std::vector<std::string> look = samplingDefines(settings_);
+        look.push_back(fmt::format("MODE {}", is("mode", "blend") ? 1 : is("mode", "depth") ? 2 : 0));
+        look.push_back(fmt::format("SAMPLE_FRAME {}", is("sample-frame", "A") ? 0 : is("sample-frame", "B") ? 1 : is("sample-frame", "E") ? 2 : 3));
+        std::vector<std::string> volume = look;
+        if (is("apply", "skip")) volume.push_back("SKIP_TEST");
+        if (masked()) volume.push_back("MASKED");
+        begin_ = gl::Program("passes/fullscreen.vert", "shadow/instanced_begin.frag", is("accumulate", "stencil") ? std::vector<std::string>{"OWN_DEPTH"} : std::vector<std::string>{});
+        if (is("apply", "tiled")) {
+            resolve_ = gl::Program::compute("shadow/instanced_tiled.comp", look);
+        } else if (is("apply", "all")) {
+            resolve_ = gl::Program("passes/fullscreen.vert", "shadow/instanced_all.frag", look);
+        } else {
+            resolve_ = gl::Program("shadow/instanced.vert", "shadow/instanced.frag", volume);
+            count_ = gl::Program("shadow/instanced.vert", "passes/count.frag", volume);
+        }
+        if (masked()) {
+            receiverTiles_ = gl::Program::compute("shadow/receiver_tiles.comp");
+            mask_ = gl::Program::compute("shadow/instanced_mask.comp");
+        }
+        corners_ = gl::Buffer::of<uint32_t>(boxShadowVolume());
         array_ = gl::makeVertexArray();
-        const auto attribute = [&](GLuint index, GLint count, GLuint binding, GLuint offset) {
-            glEnableVertexArrayAttrib(array_.name(), index);
-            glVertexArrayAttribFormat(array_.name(), index, count, GL_FLOAT, GL_FALSE, offset);
-            glVertexArrayAttribBinding(array_.name(), index, binding);
-            glVertexArrayBindingDivisor(array_.name(), binding, 1);
-        };
-        attribute(3, 4, 0, 0);
-        attribute(4, 2, 0, offsetof(gpuscene::InstanceData, cosSinYaw));
-        attribute(5, 2, 1, 0);
+        const bool linear = !is("filter", "nearest");
+        sampler_ = gl::makeSampler({GLenum(linear ? GL_LINEAR : GL_NEAREST), false, GL_CLAMP_TO_BORDER, !is("mode", "depth")});
     }
 
-    glm::dmat4 mapClip(const Type& type, int k) const {
-        const glm::vec4& w = type.windows[size_t(k)];
-        const double range = type.depthFar - type.depthNear;
-        return glm::transpose(glm::dmat4(glm::dvec4(basis_.u * double(w.z), -double(w.x) * w.z), glm::dvec4(basis_.v * double(w.w), -double(w.y) * w.w),
-                                         glm::dvec4(basis_.l / range, -type.depthNear / range), glm::dvec4(0, 0, 0, 1)));
-    }
-
-    void renderMaps(measure::Ledger& tally) {
-        glViewport(0, 0, size_, size_);
-        glEnable(GL_DEPTH_TEST);
-        for (Type& type : types_)
-            for (int k = 0; k < rotations_; ++k) {
-                glBindFramebuffer(GL_FRAMEBUFFER, targets_[size_t(type.firstLayer + k)].name());
-                const float one = 1;
-                glClearBufferfv(GL_DEPTH, 0, &one);
-                tally.texelsWritten += size_t(size_) * size_t(size_);
-                type.rotated.ranges = {{type.prototype, uint32_t(k), 1}};
-                drawCasters(frame_.scene(), type.rotated, mapClip(type, k), depth_, depthAlpha_, tally);
-            }
+    void makeTargets() {
+        const auto& camera = frame_.camera();
+        const gl::Texture* visibility[] = {&frame_.visibility()};
+        if (is("accumulate", "stencil")) {
+            ownDepth_ = gl::Texture(GL_DEPTH32F_STENCIL8, camera.width, camera.height);
+            beginTarget_ = gl::makeFramebuffer(visibility, &ownDepth_);
+            volumeTarget_ = gl::makeFramebuffer(visibility, &ownDepth_);
+        } else {
+            ownDepth_ = gl::Texture(GL_R32F, camera.width, camera.height);
+            const gl::Texture* both[] = {&frame_.visibility(), &ownDepth_};
+            beginTarget_ = gl::makeFramebuffer(both, nullptr);
+            volumeTarget_ = gl::makeFramebuffer(visibility, &frame_.depth());
+        }
     }
 
     void begin(measure::Ledger& tally) {
         glBindFramebuffer(GL_FRAMEBUFFER, beginTarget_.name());
         glViewport(0, 0, frame_.camera().width, frame_.camera().height);
+        if (is("accumulate", "stencil")) {
+            glEnable(GL_DEPTH_TEST);
+            glDepthFunc(GL_ALWAYS);
+            const GLint zero = 0;
+            glClearBufferiv(GL_STENCIL, 0, &zero);
+        }
         frame_.setView(begin_);
         begin_.use();
         frame_.bindGeometry();
@@ -190,93 +133,124 @@ private:
         ++tally.drawCalls;
     }
 
-    /// Instances whose shadow volume can meet a receiver in view.
-    void collectCasters() {
-        const gpuscene::GpuScene& scene = frame_.scene();
-        const frame::Camera& camera = frame_.camera();
-        const base::DBox sceneBox = frame_.relativeSceneBox();
-        const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
-        double farthest = -1e300, nearest = 1e300;
-        for (int corner = 0; corner < 8; ++corner) {
-            farthest = std::max(farthest, glm::dot(sceneBox.corner(corner), frame_.light()));
-            nearest = std::min(nearest, glm::dot(sceneBox.corner(corner), frame_.light()));
+    /// Everything that a look-up reads.
+    void bind(const gl::Program& program) {
+        frame_.setView(program);
+        program.set("uBasisU", glm::vec3(maps_.basis().u));
+        program.set("uBasisV", glm::vec3(maps_.basis().v));
+        program.set("uSize", float(maps_.array().width()));
+        program.set("uBiasScale", std::stof(settings_.at("bias-scale")));
+        program.set("uCasters", int(casters_.size()));
+        frame_.bindGeometry();
+        glBindTextureUnit(3, maps_.array().name());
+        glBindSampler(3, sampler_.name());
+        casters_.bind();
+        program.use();
+    }
+
+    void resolveTiles(measure::Ledger& tally) {
+        const auto& camera = frame_.camera();
+        casters_.collect();
+        bind(resolve_);
+        glBindImageTexture(0, frame_.visibility().name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG16F);
+        glDispatchCompute(GLuint(camera.width + kTile - 1) / kTile, GLuint(camera.height + kTile - 1) / kTile, 1);
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+        ++tally.drawCalls;
+    }
+
+    void resolveAll(measure::Ledger& tally) {
+        casters_.collect();
+        glBindFramebuffer(GL_FRAMEBUFFER, volumeTarget_.name());
+        glViewport(0, 0, frame_.camera().width, frame_.camera().height);
+        bind(resolve_);
+        frame_.drawFullscreen();
+        ++tally.drawCalls;
+    }
+
+    void mask(measure::Ledger& tally) {
+        const auto& camera = frame_.camera();
+        casters_.collect();
+        const auto across = GLuint(camera.width + kReceiverTile - 1) / kReceiverTile, down = GLuint(camera.height + kReceiverTile - 1) / kReceiverTile;
+        const GLuint command[4] = {72, 0, 0, 0};
+        command_.update(sizeof command, command);
+        tiles_.update(size_t(across) * down * 2 * sizeof(glm::vec4), nullptr);
+        survivors_.update(std::max<size_t>(casters_.size(), 1) * sizeof(uint32_t), nullptr);
+        bind(receiverTiles_);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, survivors_.name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, tiles_.name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, command_.name());
+        glDispatchCompute(across, down, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        frame_.setView(mask_);
+        mask_.set("uCasters", int(casters_.size()));
+        mask_.set("uTiles", int(across * down));
+        mask_.use();
+        glDispatchCompute(GLuint(casters_.size() + 63) / 64, 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+        tally.drawCalls += 2;
+    }
+
+    void renderVolumes(measure::Ledger& tally) {
+        glBindFramebuffer(GL_FRAMEBUFFER, volumeTarget_.name());
+        glColorMask(GL_TRUE, GL_FALSE, GL_FALSE, GL_FALSE);  // validity stays
+        if (is("accumulate", "stencil")) {
+            // The first caster that darkens a pixel marks it; later fragments die before they look anything up.
+            glEnable(GL_STENCIL_TEST);
+            glStencilFunc(GL_NOTEQUAL, 1, 0xFF);
+            glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+        } else {
+            glEnable(GL_BLEND);
+            glBlendEquation(is("accumulate", "min") ? GL_MIN : GL_FUNC_ADD);
+            glBlendFunc(GL_ZERO, GL_SRC_COLOR);
         }
-        extrusion_ = farthest - nearest;  // every volume ends behind the whole scene
-        floor_ = sceneBox.empty() ? 0 : sceneBox.lo.z - 1e-3 * glm::length(sceneBox.size());
-        const CasterCull cull(basis_, camera, body, 1e-3 * glm::length(sceneBox.size()));
-        scene.collect(camera.eye, [&](uint32_t i) {
-            return scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && cull.keep(frame_.relativeBox(i));
-        }, casters_);
-        std::vector<glm::vec2> rotations;
-        for (const uint32_t i : casters_.instances) {
-            const RotationSample sample = sampleRotation(double(scene.scene().instances[i].yaw), rotations_);
-            rotations.emplace_back(float(sample.first), sample.weight);
-        }
-        rotationBuffer_.update(rotations.size() * sizeof(glm::vec2), rotations.data());
+        submitVolumes(resolve_, tally);
     }
 
     void submitVolumes(const gl::Program& program, measure::Ledger& tally) {
-        collectCasters();
+        casters_.collect();
         glViewport(0, 0, frame_.camera().width, frame_.camera().height);
-        // z-fail: back faces that lie behind the scene (smaller depth, as z is reversed), whatever side the eye is on.
         glEnable(GL_DEPTH_TEST);
-        glDepthFunc(GL_LESS);
         glDepthMask(GL_FALSE);
         glEnable(GL_DEPTH_CLAMP);
         glEnable(GL_CULL_FACE);
-        glCullFace(GL_FRONT);
-        frame_.setView(program);
-        program.set("uExtrusion", float(extrusion_));
-        program.set("uFloor", float(floor_));
-        program.set("uBasisU", glm::vec3(basis_.u));
-        program.set("uBasisV", glm::vec3(basis_.v));
-        program.set("uSize", float(size_));
-        program.set("uRotations", rotations_);
-        program.set("uBiasScale", std::stof(settings_.at("bias-scale")));
-        program.use();
+        bind(program);
+        if (!is("accumulate", "stencil")) glBindTextureUnit(2, ownDepth_.name());
+        program.set("uExtrusion", float(casters_.extrusion()));
+        program.set("uFloor", float(casters_.floor()));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, corners_.name());
-        glVertexArrayVertexBuffer(array_.name(), 0, casters_.buffer.name(), 0, sizeof(gpuscene::InstanceData));
-        glVertexArrayVertexBuffer(array_.name(), 1, rotationBuffer_.name(), 0, sizeof(glm::vec2));
         glBindVertexArray(array_.name());
-        for (const gpuscene::DrawList::Range& range : casters_.ranges) {
-            const auto type = std::find_if(types_.begin(), types_.end(), [&](const Type& t) { return t.prototype == range.prototype; });
-            program.set("uBoxCentre", type->box.centre());
-            program.set("uBoxHalf", type->box.halfSize());
-            program.set("uFirstLayer", type->firstLayer);
-            program.set("uDepthRange", glm::vec2(type->depthNear, 1 / (type->depthFar - type->depthNear)));
-            program.set("uWindows[0]", std::span<const glm::vec4>(type->windows));
-            glDrawArraysInstancedBaseInstance(GL_TRIANGLES, 0, 72, GLsizei(range.count), range.first);
+        const auto draw = [&](bool zPass, size_t first, size_t count) {
+            if (count == 0) return;
+            // z-fail: back faces that lie behind the scene (smaller depth, as z is reversed), whatever side the eye is on;
+            // z-pass: front faces before it.
+            glDepthFunc(zPass ? GL_GREATER : GL_LESS);
+            glCullFace(zPass ? GL_BACK : GL_FRONT);
+            program.set("uFirstCaster", int(first));
+            if (masked()) {
+                glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, survivors_.name());
+                glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command_.name());
+                glDrawArraysIndirect(GL_TRIANGLES, nullptr);
+            } else {
+                glDrawArraysInstanced(GL_TRIANGLES, 0, 72, GLsizei(count));
+            }
             ++tally.drawCalls;
-            tally.trianglesSubmitted += 24 * size_t(range.count);
-        }
-    }
-
-    void renderVolumes(const gl::Program& program, measure::Ledger& tally) {
-        glBindFramebuffer(GL_FRAMEBUFFER, volumeTarget_.name());
-        glColorMask(GL_TRUE, GL_FALSE, GL_FALSE, GL_FALSE);  // validity stays
-        glEnable(GL_BLEND);
-        glBlendEquation(GL_MIN);
-        frame_.bindGeometry();
-        glBindTextureUnit(2, depthCopy_.name());
-        glBindTextureUnit(3, map_.name());
-        glBindSampler(3, sampler_.name());
-        submitVolumes(program, tally);
+            tally.trianglesSubmitted += 24 * count;
+        };
+        const size_t outside = is("apply", "zpass") ? casters_.notAboutEye() : 0;
+        draw(true, 0, outside);
+        draw(false, outside, casters_.size() - outside);
     }
 
     frame::Frame& frame_;
     Settings settings_;
-    int size_, rotations_;
-    LightBasis basis_;
-    std::vector<Type> types_;
-    gl::Texture map_, depthCopy_;
-    std::vector<gl::Framebuffer> targets_;
+    CasterMaps maps_;
+    CasterList casters_;
+    gl::Texture ownDepth_;  ///< a copy to read, or with a stencil to test against
     gl::Framebuffer beginTarget_, volumeTarget_;
     gl::Sampler sampler_;
     gl::VertexArray array_;
-    gl::Buffer corners_, rotationBuffer_;
-    gl::Program depth_, depthAlpha_, begin_, volumes_, count_;
-    gpuscene::DrawList casters_;
-    double extrusion_ = 0, floor_ = 0;  // metres; floor_ relative to the eye
+    gl::Buffer corners_, survivors_, tiles_, command_;
+    gl::Program begin_, resolve_, count_, receiverTiles_, mask_;
 };
 
 }  // namespace

@@ -1,0 +1,97 @@
+// Instances with their maps, and the look-up of a receiver in them (Buntin & Stamminger 2007). Matches
+// shadow/instanced/caster_list.h. Needs lib/bias.glsl, and lib/filter.glsl unless MODE is 2; uLight must be declared.
+struct Caster {
+    vec4 place;      // position relative to the eye, scale
+    vec2 cosSinYaw;
+    uint type;
+    uint firstMap;   // of the two about its rotation
+    float weight;    // of the second
+    uint secondMap;
+    float turn;      // the first map's rotation minus the caster's, radians
+    float secondTurn;
+};
+struct CasterType {
+    vec4 centre;     // of its box, prototype space
+    vec4 half_;      // half its size; w: κ², κ = horizontal radius / half height
+    vec2 depth;      // metres along the light from its origin: nearest, 1 / range
+    uint padding0, padding1;
+};
+layout(std430, binding = 1) restrict readonly buffer Casters { Caster casters[]; };
+layout(std430, binding = 2) restrict readonly buffer CasterTypes { CasterType casterTypes[]; };
+layout(std430, binding = 3) restrict readonly buffer Windows { vec4 windows[]; };  // by map: centre, 1 / half size
+
+vec3 toBoxAxes(Caster c, vec3 p) {
+    return vec3(c.cosSinYaw.x * p.x + c.cosSinYaw.y * p.y, c.cosSinYaw.x * p.y - c.cosSinYaw.y * p.x, p.z);
+}
+vec3 fromBoxAxes(Caster c, vec3 p) {
+    return vec3(c.cosSinYaw.x * p.x - c.cosSinYaw.y * p.y, c.cosSinYaw.y * p.x + c.cosSinYaw.x * p.y, p.z);
+}
+
+// Does the ray from q toward the sun meet the box of half size h about the origin? Slab test in the box's axes.
+bool meetsBox(vec3 q, vec3 h, vec3 light) {
+    vec3 safe = mix(light, vec3(1e-12), lessThan(abs(light), vec3(1e-12)));
+    vec3 t1 = (q - h) / safe, t2 = (q + h) / safe;
+    vec3 enter = min(t1, t2), leave = max(t1, t2);
+    return min(min(leave.x, leave.y), leave.z) >= max(0.0, max(max(enter.x, enter.y), enter.z));
+}
+
+// Can the caster's shadow volume meet the box of receivers about `centre` (relative to the eye)? Conservative.
+bool mayReach(Caster c, CasterType type, vec3 centre, vec3 reach) {
+    vec2 a = abs(c.cosSinYaw);  // in the caster's axes the box of receivers lies within one of these half sides
+    vec3 grown = type.half_.xyz + vec3(a.x * reach.x + a.y * reach.y, a.y * reach.x + a.x * reach.y, reach.z) / c.place.w;
+    return meetsBox(toBoxAxes(c, (centre - c.place.xyz) / c.place.w) - type.centre.xyz, grown, toBoxAxes(c, uLight));
+}
+
+#ifdef LOOK_UP
+layout(binding = 3) uniform MAP_SAMPLER uMap;
+uniform vec3 uBasisU, uBasisV;
+uniform float uSize;
+
+bool inVolume(Caster c, CasterType type, vec3 p) {
+    return meetsBox(toBoxAxes(c, (p - c.place.xyz) / c.place.w) - type.centre.xyz, type.half_.xyz, toBoxAxes(c, uLight));
+}
+
+// Texel coordinates and normalised depth of q, in the caster's own scale but the world's axes, in a map that was
+// rendered `turn` radians on.
+vec3 mapCoordinates(uint map, CasterType type, vec3 q, float turn, bool inside) {
+    float along = 0.0;
+#if SAMPLE_FRAME != 0    // A leaves q where it is
+    bool pivot = SAMPLE_FRAME == 2 || (SAMPLE_FRAME == 3 && !inside);
+    if (pivot) {  // E: turn about the point of q's ray that is nearest to the caster
+        float k = type.half_.w;
+        along = (dot(uLight.xy, q.xy) + k * uLight.z * (q.z - type.centre.z)) / (dot(uLight.xy, uLight.xy) + k * uLight.z * uLight.z);
+        q -= along * uLight;
+    }
+    float c = cos(turn), s = sin(turn);
+    q = vec3(c * q.x - s * q.y, s * q.x + c * q.y, q.z);
+#endif
+    vec4 w = windows[map];
+    vec2 uv = (vec2(dot(q, uBasisU), dot(q, uBasisV)) - w.xy) * w.zw * 0.5 + 0.5;
+    return vec3(uv * uSize, (dot(q, uLight) + along - type.depth.x) * type.depth.y);
+}
+
+// Share of the sun that caster c lets through to a receiver at p (relative to the eye) that faces the sun.
+float lookUp(Caster c, CasterType type, vec3 p, vec3 normal) {
+    vec4 w0 = windows[c.firstMap], w1 = windows[c.secondMap];
+    vec2 texel = 2.0 / uSize / min(w0.zw, w1.zw) * c.place.w;
+    float depthStep = c.place.w / type.depth.y * 1.1920929e-7;
+    vec2 slope = abs(vec2(dot(normal, uBasisU), dot(normal, uBasisV))) * texel / max(-dot(normal, uLight), 1e-4);
+    p = biased(p, normal, uLight, max(texel.x, texel.y), slope, vec2(0.0), depthStep);
+    vec3 q = (p - c.place.xyz) / c.place.w;
+    bool inside = all(lessThanEqual(abs(toBoxAxes(c, q) - type.centre.xyz), type.half_.xyz));
+    vec3 s0 = mapCoordinates(c.firstMap, type, q, c.turn, inside), s1 = mapCoordinates(c.secondMap, type, q, c.secondTurn, inside);
+    bool first = c.weight < 0.5;
+#if MODE == 0    // the nearer map alone
+    vec3 s = first ? s0 : s1;
+    return filtered(uMap, float(first ? c.firstMap : c.secondMap), s.xy, uSize, s.z);
+#elif MODE == 1  // binary results, blended
+    float lit = filtered(uMap, float(c.firstMap), s0.xy, uSize, s0.z);
+    return c.weight > 0.0 ? mix(lit, filtered(uMap, float(c.secondMap), s1.xy, uSize, s1.z), c.weight) : lit;
+#else            // depths, interpolated before the comparison; a cleared texel is not a depth
+    float d0 = texture(uMap, vec3(s0.xy / uSize, c.firstMap)).r, d1 = texture(uMap, vec3(s1.xy / uSize, c.secondMap)).r;
+    float z0 = min(s0.z, 1.0), z1 = min(s1.z, 1.0);
+    if (d0 < 1.0 && d1 < 1.0) return mix(d0 - z0, d1 - z1, c.weight) < 0.0 ? 0.0 : 1.0;
+    return (first ? d0 < z0 : d1 < z1) ? 0.0 : 1.0;
+#endif
+}
+#endif

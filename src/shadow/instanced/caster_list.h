@@ -1,0 +1,45 @@
+#pragma once
+
+#include "shadow/instanced/caster_maps.h"
+
+namespace dapple::shadow {
+
+/// The instances whose shadow volumes can meet a receiver in view, with their maps, on the GPU (lib/instanced.glsl).
+class CasterList {
+public:
+    CasterList(const frame::Frame& frame, const CasterMaps& maps);
+
+    /// Anew for the frame's present view.
+    void collect();
+    /// Binds casters, types and windows to storage buffers 1, 2 and 3.
+    void bind() const;
+
+    size_t size() const { return casters_.size(); }
+    /// So many stand first in the list whose volumes do not hold the eye, nor reach the near plane.
+    size_t notAboutEye() const { return notAboutEye_; }
+    double extrusion() const { return extrusion_; }  ///< metres: every volume so long ends behind the whole scene
+    double floor() const { return floor_; }          ///< height of the lowest receiver, relative to the eye
+
+private:
+    struct GpuCaster {
+        glm::vec4 place;  ///< position relative to the eye, scale
+        glm::vec2 cosSinYaw;
+        uint32_t type, firstMap;
+        float weight;  ///< of the second map
+        uint32_t secondMap;
+        float turn, secondTurn;  ///< the maps' rotation minus the caster's, radians
+    };
+    static_assert(sizeof(GpuCaster) == 48);
+
+    GpuCaster casterOf(uint32_t instance) const;
+    bool holdsEye(const GpuCaster& caster) const;
+
+    const frame::Frame& frame_;
+    const CasterMaps& maps_;
+    std::vector<GpuCaster> casters_;
+    size_t notAboutEye_ = 0;
+    double extrusion_ = 0, floor_ = 0;
+    gl::Buffer casterBuffer_, typeBuffer_, windowBuffer_;
+};
+
+}  // namespace dapple::shadow
