@@ -33,6 +33,7 @@ const std::vector<Axis> kAxes{
     {"filter", "how texels are compared",
      {{"nearest", "one texel"}, {"pcf2", "2×2, bilinear weights"}, {"pcf3", "3×3, bilinear weights"}}},
     {"rotations", "maps per caster type, at equal steps about the vertical", {}, 1, 72},
+    {"own", "instances, those that look largest, with a map of their own rotation", {}, 0, 2048},
     {"mode", "how the two maps nearest to an instance's rotation are combined",
      {{"nearest", "the nearer one alone"},
       {"blend", "their binary results, blended"},
@@ -69,7 +70,7 @@ const std::vector<TechniqueInfo> kTechniques{
      mapPreset("lispsm", "none", "1", "2048")},
     {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024")},
     {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)",
-     {{"size", "512"}, {"rotations", "12"}, {"mode", "depth"}, {"sample-frame", "A"}, {"apply", "zfail"}, {"accumulate", "min"},
+     {{"size", "512"}, {"rotations", "12"}, {"own", "0"}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zfail"}, {"accumulate", "min"},
       {"cull", "frustum"}, {"update", "cached"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}},
      2},
 };
@@ -154,7 +155,8 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
             return "interpolated depths have no common texel grid, so mode depth goes with filter nearest";
         if (is("rotations", "1") && !is("mode", "nearest") && !is("mode", "exact")) return "one rotation has no second map to combine: mode nearest";
         if (is("mode", "exact") && !is("rotations", info.defaults.at("rotations").c_str())) return "mode exact has each instance's own rotation";
-        if (is("mode", "exact") && !is("sample-frame", "A")) return "mode exact rotates no sample: sample-frame A";
+        if (is("mode", "exact") && !is("sample-frame", info.defaults.at("sample-frame").c_str())) return "mode exact rotates no sample";
+        if (is("mode", "exact") && !is("own", "0")) return "mode exact gives every instance its own map";
         const bool volumes = !is("apply", "tiled") && !is("apply", "all");
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";

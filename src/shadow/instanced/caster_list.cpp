@@ -19,16 +19,17 @@ static_assert(sizeof(GpuCasterType) == 48);
 
 }  // namespace
 
-CasterList::CasterList(const frame::Frame& frame, const CasterMaps& maps) : frame_(frame), maps_(maps) {
+void CasterList::uploadTypes() {
     std::vector<GpuCasterType> types;
-    for (const CasterType& type : maps.types()) {
+    for (const CasterType& type : maps_.types()) {
         const glm::vec3 half = type.box.halfSize();
         const glm::vec2 reach = glm::max(glm::abs(glm::vec2(type.box.lo)), glm::abs(glm::vec2(type.box.hi)));
         const float kappa = std::max(reach.x, reach.y) / std::max(half.z, 1e-6f);
         types.push_back({glm::vec4(type.box.centre(), 0), glm::vec4(half, kappa * kappa), {type.depthNear, 1 / (type.depthFar - type.depthNear)}, {}});
     }
-    typeBuffer_ = gl::Buffer::of<GpuCasterType>(types);
-    windowBuffer_ = gl::Buffer::of<glm::vec4>(maps.windows());
+    typeBuffer_.update(types.size() * sizeof(GpuCasterType), types.data());
+    windowBuffer_.update(maps_.windows().size() * sizeof(glm::vec4), maps_.windows().data());
+    mapsVersion_ = maps_.version();
 }
 
 CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
@@ -69,6 +70,7 @@ bool CasterList::holdsEye(const GpuCaster& caster) const {
 }
 
 void CasterList::collect() {
+    if (mapsVersion_ != maps_.version()) uploadTypes();
     const gpuscene::GpuScene& scene = frame_.scene();
     const frame::Camera& camera = frame_.camera();
     const base::DBox sceneBox = frame_.relativeSceneBox();

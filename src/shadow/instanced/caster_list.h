@@ -7,7 +7,7 @@ namespace dapple::shadow {
 /// The instances whose shadow volumes can meet a receiver in view, with their maps, on the GPU (lib/instanced.glsl).
 class CasterList {
 public:
-    CasterList(const frame::Frame& frame, const CasterMaps& maps);
+    CasterList(const frame::Frame& frame, const CasterMaps& maps) : frame_(frame), maps_(maps) {}
 
     /// Anew for the frame's present view.
     void collect();
@@ -31,6 +31,7 @@ private:
     };
     static_assert(sizeof(GpuCaster) == 48);
 
+    void uploadTypes();
     GpuCaster casterOf(uint32_t instance) const;
     bool holdsEye(const GpuCaster& caster) const;
 
@@ -39,6 +40,7 @@ private:
     std::vector<GpuCaster> casters_;
     size_t notAboutEye_ = 0;
     double extrusion_ = 0, floor_ = 0;
+    int mapsVersion_ = -1;  ///< that types and windows on the GPU have
     gl::Buffer casterBuffer_, typeBuffer_, windowBuffer_;
 };
 

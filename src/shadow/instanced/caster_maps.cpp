@@ -14,74 +14,136 @@ namespace dapple::shadow {
 using gpuscene::Bucket;
 
 CasterMaps::CasterMaps(const frame::Frame& frame, const Settings& settings)
-    : scene_(frame.scene()),
+    : frame_(frame), scene_(frame.scene()),
       // Cached maps must not depend on the view, so neither does their basis.
-      basis_(lightBasis(frame.light(), {0, 0, 1})), size_(std::stoi(settings.at("size"))) {
+      basis_(lightBasis(frame.light(), {0, 0, 1})), size_(std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
     makeTypes(settings);
     if (types_.empty()) return;
     const auto layers = int(windows_.size());
     GLint limit = 0;
     glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &limit);
     if (layers > limit)
-        throw base::Error(base::ExitCode::failed, fmt::format("{} maps of {} casters are more than this GL's {} layers: fewer rotations, or mode depth", layers, types_.size(), limit));
+        throw base::Error(base::ExitCode::failed, fmt::format("{} maps of {} casters are more than this GL's {} layers: fewer rotations or own maps", layers, types_.size(), limit));
     array_ = gl::Texture(GL_DEPTH_COMPONENT32F, size_, size_, layers);
     for (int i = 0; i < layers; ++i) targets_.push_back(gl::makeFramebuffer({}, &array_, i));
-    rotated_.upload();
     if (scene_.has(Bucket::opaque)) depth_ = gl::Program("shadow/map_depth.vert", "");
     if (scene_.has(Bucket::alphaTested)) depthAlpha_ = gl::Program("shadow/map_depth.vert", "shadow/map_depth.frag", {"ALPHA_TEST"});
+    setAllDue();
+    choose();
+}
+
+void CasterMaps::addType(CasterType type) {
+    type.firstLayer = int(windows_.size());
+    windows_.resize(windows_.size() + type.angles.size());
+    rotated_.data.resize(windows_.size());
+    rotated_.ranges.resize(windows_.size());
+    fit(type);
+    types_.push_back(std::move(type));
 }
 
 void CasterMaps::makeTypes(const Settings& settings) {
     const scenegen::Scene& scene = scene_.scene();
     const int rotations = std::stoi(settings.at("rotations"));
-    const bool exact = settings.at("mode") == "exact";
-    const double pad = kernelRadius(settings) + 1.5;
     std::vector<int> ofPrototype(scene.prototypes.size(), -1);
-    std::vector<bool> turned(scene.prototypes.size(), false);
-    for (const scenegen::Instance& instance : scene.instances) {
+    std::vector<CasterType> shared;
+    std::vector<bool> turned;
+    std::vector<uint32_t> casting;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        const scenegen::Instance& instance = scene.instances[i];
         const gpuscene::GpuPrototype& prototype = scene_.prototypes()[instance.prototype];
         typeOf_.push_back(-1);
         if (!prototype.castsShadow || prototype.triangles == 0) continue;
+        casting.push_back(i);
         int& known = ofPrototype[instance.prototype];
-        if (known < 0 || exact) {
-            known = int(types_.size());
-            types_.push_back({instance.prototype, 0, {double(instance.yaw)}, prototype.box});
+        if (known < 0) {
+            known = int(shared.size());
+            shared.push_back({instance.prototype, 0, {double(instance.yaw)}, {}});
+            turned.push_back(false);
         }
-        turned[instance.prototype] = turned[instance.prototype] || double(instance.yaw) != types_[size_t(known)].angles[0];
+        turned[size_t(known)] = turned[size_t(known)] || double(instance.yaw) != shared[size_t(known)].angles[0];
         typeOf_.back() = known;
     }
-    for (CasterType& type : types_) {
-        if (!exact && turned[type.prototype]) {
-            type.angles.clear();
-            for (int k = 0; k < rotations; ++k) type.angles.push_back(2 * std::numbers::pi * k / rotations);
+    // With a map for every instance nothing is shared.
+    const size_t own = settings.at("mode") == "exact" ? casting.size() : std::min(size_t(std::stoi(settings.at("own"))), casting.size());
+    if (own < casting.size())
+        for (size_t k = 0; k < shared.size(); ++k) {
+            if (turned[k]) {
+                shared[k].angles.clear();
+                for (int r = 0; r < rotations; ++r) shared[k].angles.push_back(2 * std::numbers::pi * r / rotations);
+            }
+            addType(shared[k]);
         }
-        type.firstLayer = int(windows_.size());
-        fit(type, pad);
+    firstOwn_ = types_.size();
+    sharedTypeOf_ = typeOf_;
+    for (size_t k = 0; k < own; ++k) {
+        const scenegen::Instance& instance = scene.instances[casting[k]];
+        ownerOf_.push_back(casting[k]);
+        typeOf_[casting[k]] = int(types_.size());
+        addType({instance.prototype, 0, {double(instance.yaw)}, {}});
     }
 }
 
-void CasterMaps::fit(CasterType& type, double pad) {
-    const double share = std::max(0.5, 1 - 2 * pad / size_);
+void CasterMaps::setAllDue() {
+    for (int layer = 0; layer < int(windows_.size()); ++layer) due_.insert(layer);
+}
+
+void CasterMaps::choose() {
+    const scenegen::Scene& scene = scene_.scene();
+    if (ownerOf_.empty() || firstOwn_ == 0) return;  // none, or all have their own
+    std::vector<std::pair<double, uint32_t>> looks;  // minus the sine of half the angle that it fills
+    for (uint32_t i = 0; i < sharedTypeOf_.size(); ++i) {
+        if (sharedTypeOf_[i] < 0) continue;
+        const base::DBox box = frame_.relativeBox(i);
+        const double radius = glm::length(box.halfSize()), distance = std::max(glm::length(box.centre()), radius);
+        const bool seen = frame_.camera().mayContain(box);
+        looks.emplace_back(-(seen ? 1.0 : 0.1) * radius / distance, i);
+    }
+    std::partial_sort(looks.begin(), looks.begin() + std::ptrdiff_t(ownerOf_.size()), looks.end());
+    std::vector<bool> chosen(sharedTypeOf_.size(), false);
+    for (size_t k = 0; k < ownerOf_.size(); ++k) chosen[looks[k].second] = true;
+    size_t next = 0;
+    bool changed = false;
+    for (size_t k = 0; k < ownerOf_.size(); ++k) {
+        if (chosen[ownerOf_[k]]) continue;
+        while (typeOf_[looks[next].second] >= int(firstOwn_)) ++next;
+        const uint32_t instance = looks[next].second;
+        CasterType& type = types_[firstOwn_ + k];
+        typeOf_[ownerOf_[k]] = sharedTypeOf_[ownerOf_[k]];
+        typeOf_[instance] = int(firstOwn_ + k);
+        ownerOf_[k] = instance;
+        type.prototype = scene.instances[instance].prototype;
+        type.angles = {double(scene.instances[instance].yaw)};
+        fit(type);
+        due_.insert(type.firstLayer);
+        changed = true;
+    }
+    version_ += changed;
+}
+
+void CasterMaps::fit(CasterType& type) {
+    type.box = scene_.prototypes()[type.prototype].box;
+    const double share = std::max(0.5, 1 - 2 * pad_ / size_);
     double texel = 0;
     type.depthNear = 1e300, type.depthFar = -1e300;
-    for (const double angle : type.angles) {
-        const double c = std::cos(angle), s = std::sin(angle);
+    for (size_t k = 0; k < type.angles.size(); ++k) {
+        const size_t layer = size_t(type.firstLayer) + k;
+        const double c = std::cos(type.angles[k]), s = std::sin(type.angles[k]);
         base::DBox bounds;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::dvec3 q(type.box.corner(corner));
             bounds.extend(basis_.toLight({c * q.x - s * q.y, s * q.x + c * q.y, q.z}));
         }
         const glm::dvec3 half = glm::max(bounds.halfSize(), glm::dvec3(1e-6)) / glm::dvec3(share, share, 1);
-        windows_.emplace_back(bounds.centre().x, bounds.centre().y, 1 / half.x, 1 / half.y);
+        windows_[layer] = {bounds.centre().x, bounds.centre().y, 1 / half.x, 1 / half.y};
         type.depthNear = std::min(type.depthNear, bounds.lo.z);
         type.depthFar = std::max(type.depthFar, bounds.hi.z);
         texel = std::max(texel, 2 * std::max(half.x, half.y) / size_);
-        rotated_.ranges.push_back({type.prototype, uint32_t(rotated_.data.size()), 1});
-        rotated_.data.push_back({glm::vec3(0), 1, {float(c), float(s)}});
+        rotated_.ranges[layer] = {type.prototype, uint32_t(layer), 1};
+        rotated_.data[layer] = {glm::vec3(0), 1, {float(c), float(s)}};
     }
     // Receivers within the kernel's reach of a shadow's edge need the volume too.
-    type.box.lo -= float(pad * texel);
-    type.box.hi += float(pad * texel);
+    type.box.lo -= float(pad_ * texel);
+    type.box.hi += float(pad_ * texel);
     type.depthNear -= texel;
     type.depthFar += texel;
 }
@@ -103,20 +165,24 @@ std::vector<LightMatrix> CasterMaps::matrices() const {
 }
 
 void CasterMaps::render(measure::Ledger& tally) {
+    if (due_.empty()) return;
+    rotated_.upload();
+    const std::vector<gpuscene::DrawList::Range> all = rotated_.ranges;
     glViewport(0, 0, size_, size_);
     glEnable(GL_DEPTH_TEST);
-    const std::vector<gpuscene::DrawList::Range> all = rotated_.ranges;
     for (const CasterType& type : types_)
         for (size_t k = 0; k < type.angles.size(); ++k) {
-            const size_t layer = size_t(type.firstLayer) + k;
-            glBindFramebuffer(GL_FRAMEBUFFER, targets_[layer].name());
+            const int layer = type.firstLayer + int(k);
+            if (!due_.contains(layer)) continue;
+            glBindFramebuffer(GL_FRAMEBUFFER, targets_[size_t(layer)].name());
             const float one = 1;
             glClearBufferfv(GL_DEPTH, 0, &one);
             tally.texelsWritten += size_t(size_) * size_t(size_);
-            rotated_.ranges = {all[layer]};
+            rotated_.ranges = {all[size_t(layer)]};
             drawCasters(scene_, rotated_, clip(type, int(k)), depth_, depthAlpha_, tally);
         }
     rotated_.ranges = all;
+    due_.clear();
 }
 
 }  // namespace dapple::shadow

@@ -28,14 +28,18 @@ public:
 
     std::vector<frame::Pass> passes() override {
         using measure::Ledger;
+        maps_.choose();
         std::string mapsLeftOut, leftOut;
         if (maps_.types().empty()) mapsLeftOut = leftOut = "the scene has no caster";
-        else if (is("update", "cached")) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
+        else if (is("update", "cached") && !maps_.due()) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes;
         if (maps_.windows().size() == maps_.types().size() && !is("rotations", "1"))
             passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
         passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.windows().size(), maps_.types().size()), mapsLeftOut,
-                          [this](Ledger& tally) { maps_.render(tally); }});
+                          [this](Ledger& tally) {
+                              if (is("update", "regenerate")) maps_.setAllDue();
+                              maps_.render(tally);
+                          }});
         if (is("apply", "tiled") && leftOut.empty()) {
             passes.push_back({"tiles", {"gbuffer", "depth", "maps"}, {"visibility"}, "each tile of the screen finds its casters, each pixel asks them", "",
                               [this](Ledger& tally) { resolveTiles(tally); }});
