@@ -2,9 +2,9 @@
 
 #include "base/detmath.h"
 #include "base/random.h"
+#include "scenegen/plants/lanes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace dapple::scenegen {
@@ -72,56 +72,6 @@ void setCard(Mesh& mesh, size_t at, const Blade& b) {
     std::copy_n(uvs, 4, &mesh.uvs[4 * at]);
 }
 
-/// Away from the trunk, where the light comes from; unit length but on the trunk's axis.
-glm::dvec3 outward(const glm::dvec3& p) {
-    const double distance = std::sqrt(p.x * p.x + p.y * p.y);
-    return distance > 1e-6 ? glm::dvec3(p.x / distance, p.y / distance, 0) : glm::dvec3(0);
-}
-
-/// What chance and the parameters give to a leaf before its twig is looked at.
-struct Draw {
-    double share;          ///< place on the site, 0…1
-    double spin, down;     ///< radians, about the twig and away from it
-    glm::dvec3 chance;     ///< of the blade's side
-    double length, width;  ///< metres
-    double behind;         ///< of its root, metres: how far a leaf that stands for several reaches back
-    det::SinCos spinSinCos, downSinCos;
-};
-
-/// Leaf k of n at a site.
-Draw drawLeaf(const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t k, size_t n, double growth, int lod, base::Random& random) {
-    const bool card = mode == LeafMode::card;
-    Draw d;
-    d.share = (double(k) + random.next(0.2f, 0.8f)) / double(n);
-    // Two rows (rotate < 0) or a helix, like the stems themselves.
-    const double turn = p.rotate < 0 ? (k % 2 ? 90 : -90) : p.rotate * double(k);
-    const double downAngle = card ? p.cardDownAngle : p.downAngle;
-    // Towards the tip leaves close up: the last one goes on where the twig ends.
-    d.down = std::max(0.0, downAngle * (1.15 - 0.6 * d.share) + p.downAngleV * random.next(-1, 1)) * det::kDegree;
-    d.spin = (turn + p.rotateV * random.next(-1, 1)) * det::kDegree;
-    d.chance = {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)};  // braces: drawn in this order
-    d.length = (card ? p.cardScale : p.scale) * site.size * growth * (1 + 0.2 * random.next(-1, 1)) * (1 + (p.tipScale - 1) * d.share);
-    d.width = d.length * (card ? p.cardScaleX : p.scaleX);
-    if (lod == kLods - 1 && d.width < kFarScaleX * d.length) {
-        d.length = std::sqrt(d.length * d.width / kFarScaleX);
-        d.width = d.length * kFarScaleX;
-    }
-    d.behind = lod > 0 ? 0.5 * std::max(0.0, 1 - 1 / growth) * d.length : 0;
-    return d;
-}
-
-Blade placeBlade(const LeafParameters& p, const Draw& d, const StemPoint& at) {
-    const glm::dvec3 out = at.frame[0] * d.spinSinCos.cos + at.frame[1] * d.spinSinCos.sin;
-    const glm::dvec3 along = glm::normalize(at.frame[2] * d.downSinCos.cos + out * d.downSinCos.sin);
-    glm::dvec3 wanted = d.chance * (1 - p.flat) + glm::dvec3(0, 0, 1) * p.flat + 0.2 * out;
-    if (p.bend > 0) wanted += p.bend * outward(at.centre);
-    wanted -= along * glm::dot(wanted, along);
-    if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[1] - along * glm::dot(at.frame[1], along);
-    if (glm::dot(wanted, wanted) < 1e-6) wanted = at.frame[0] - along * glm::dot(at.frame[0], along);
-    const glm::dvec3 normal = glm::normalize(wanted);
-    return {at.centre - d.behind * along, along, glm::cross(along, normal), normal, d.length, d.width};
-}
-
 void setBlade(Mesh& mesh, LeafMode mode, size_t at, const Blade& blade) {
     switch (mode) {
         case LeafMode::polygon: return setQuad(mesh, at, leafOutline(blade));
@@ -130,27 +80,137 @@ void setBlade(Mesh& mesh, LeafMode mode, size_t at, const Blade& blade) {
     }
 }
 
-/// Leaves 0 … n - 1 of a site, as blades first … first + n - 1 of the mesh. A leaf is one long chain of roots and
-/// quotients that wait for each other; taken step by step for many leaves, the processor works on several at once.
-void growSite(Mesh& mesh, const LeafParameters& p, const LeafSite& site, LeafMode mode, size_t first, size_t n, double growth, int lod, base::Random random) {
-    constexpr size_t kBatch = 32;
-    std::array<Draw, kBatch> draws;
-    std::array<StemPoint, kBatch> points;
-    StemAxis axis(*site.stem);
-    for (size_t begin = 0; begin < n; begin += kBatch) {
-        const size_t count = std::min(kBatch, n - begin);
-        for (size_t i = 0; i < count; ++i) draws[i] = drawLeaf(p, site, mode, begin + i, n, growth, lod, random);
-        for (size_t i = 0; i < count; ++i) {
-            draws[i].spinSinCos = det::sinCos(draws[i].spin);
-            draws[i].downSinCos = det::sinCos(draws[i].down);
+/// Leaves on their way into a mesh. A leaf is one long chain of roots and quotients that wait for each other; taken step by
+/// step for many leaves, in pairs, the processor works on several at once.
+class LeafBatch {
+public:
+    LeafBatch(Mesh& mesh, const LeafParameters& p, LeafMode mode, double growth, int lod)
+        : mesh_(mesh), p_(p), mode_(mode), growth_(growth), lod_(lod) {}
+
+    /// Leaves 0 … n - 1 of a site.
+    void grow(const LeafSite& site, size_t n, base::Random random) {
+        StemAxis axis(*site.stem);
+        const glm::dmat3* twig = site.missingTwig ? &site.missingTwig->rings.front().frame : nullptr;
+        for (size_t k = 0; k < n; ++k) {
+            const double share = draw(site, k, n, random);
+            const StemAxis::Raw at = axis.raw(site.begin + (site.end - site.begin) * share);
+            centre_.set(count_, at.centre);
+            z_.set(count_, at.along);
+            x_.set(count_, at.across);
+            twig_[count_] = twig;
+            if (++count_ == kSize) flush();
         }
-        for (size_t i = 0; i < count; ++i) {
-            const double offset = site.begin + (site.end - site.begin) * draws[i].share;
-            points[i] = site.missingTwig ? StemPoint{axis.centre(offset), site.missingTwig->rings.front().frame, 0} : axis.at(offset);
-        }
-        for (size_t i = 0; i < count; ++i) setBlade(mesh, mode, first + begin + i, placeBlade(p, draws[i], points[i]));
     }
-}
+
+    /// Those that wait.
+    void flush() {
+        orient();
+        place();
+        for (size_t i = 0; i < count_; ++i) setBlade(mesh_, mode_, done_ + i, {centre_.at(i), z_.at(i), x_.at(i), y_.at(i), length_.v[i], width_.v[i]});
+        done_ += count_;
+        count_ = 0;
+    }
+
+private:
+    static constexpr size_t kSize = 64;
+
+    struct Column {
+        alignas(16) double v[kSize] = {};
+        Pair pair(size_t i) const { return loadPair(v + i); }
+    };
+    struct Column3 {
+        Column x, y, z;
+        glm::dvec3 at(size_t i) const { return {x.v[i], y.v[i], z.v[i]}; }
+        void set(size_t i, const glm::dvec3& p) { x.v[i] = p.x, y.v[i] = p.y, z.v[i] = p.z; }
+        Pair3 pair(size_t i) const { return {x.pair(i), y.pair(i), z.pair(i)}; }
+        void setPair(size_t i, const Pair3& p) { storePair(x.v + i, p.x), storePair(y.v + i, p.y), storePair(z.v + i, p.z); }
+    };
+
+    /// What chance and the parameters give to leaf k of n before its twig is looked at; returns its place on the site, 0…1.
+    double draw(const LeafSite& site, size_t k, size_t n, base::Random& random) {
+        const bool card = mode_ == LeafMode::card;
+        const double share = (double(k) + random.next(0.2f, 0.8f)) / double(n);
+        // Two rows (rotate < 0) or a helix, like the stems themselves.
+        const double turn = p_.rotate < 0 ? (k % 2 ? 90 : -90) : p_.rotate * double(k);
+        const double downAngle = card ? p_.cardDownAngle : p_.downAngle;
+        // Towards the tip leaves close up: the last one goes on where the twig ends.
+        down_.v[count_] = std::max(0.0, downAngle * (1.15 - 0.6 * share) + p_.downAngleV * random.next(-1, 1)) * det::kDegree;
+        spin_.v[count_] = (turn + p_.rotateV * random.next(-1, 1)) * det::kDegree;
+        chance_.set(count_, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});  // braces: drawn in this order
+        double length = (card ? p_.cardScale : p_.scale) * site.size * growth_ * (1 + 0.2 * random.next(-1, 1)) * (1 + (p_.tipScale - 1) * share);
+        double width = length * (card ? p_.cardScaleX : p_.scaleX);
+        if (lod_ == kLods - 1 && width < kFarScaleX * length) {
+            length = std::sqrt(length * width / kFarScaleX);
+            width = length * kFarScaleX;
+        }
+        length_.v[count_] = length;
+        width_.v[count_] = width;
+        behind_.v[count_] = lod_ > 0 ? 0.5 * std::max(0.0, 1 - 1 / growth_) * length : 0;
+        return share;
+    }
+
+    /// Orthonormal frames in x_, y_, z_.
+    void orient() {
+        for (size_t i = 0; i < count_; i += 2) {
+            const Pair3 z = normalize(z_.pair(i)), x = x_.pair(i), across = normalize(x - z * dot(x, z));
+            z_.setPair(i, z);
+            x_.setPair(i, across);
+            y_.setPair(i, cross(z, across));
+        }
+        for (size_t i = 0; i < count_; ++i)
+            if (twig_[i]) x_.set(i, (*twig_[i])[0]), y_.set(i, (*twig_[i])[1]), z_.set(i, (*twig_[i])[2]);
+    }
+
+    /// Roots in centre_; along, across and normal in z_, x_ and y_.
+    void place() {
+        for (size_t i = 0; i < count_; i += 2) {
+            const PairSinCos spin = sinCos(spin_.pair(i)), down = sinCos(down_.pair(i));
+            const Pair3 x = x_.pair(i), y = y_.pair(i), centre = centre_.pair(i), out = x * spin.cos + y * spin.sin;
+            const Pair3 along = normalize(z_.pair(i) * down.cos + out * down.sin);
+            const Pair flat = Pair{1, 1} * p_.flat, random = 1.0 - flat;
+            Pair3 wanted = chance_.pair(i) * random;
+            wanted.z += flat;
+            wanted = wanted + out * Pair{0.2, 0.2};
+            if (p_.bend > 0) {
+                // Away from the trunk, where the light comes from.
+                const Pair toTrunk = squareRoot(centre.x * centre.x + centre.y * centre.y), distance = toTrunk > 1e-6 ? toTrunk : Pair{1, 1};
+                wanted.x += p_.bend * (centre.x / distance);
+                wanted.y += p_.bend * (centre.y / distance);
+            }
+            wanted = wanted - along * dot(wanted, along);
+            wanted = sideways(wanted, along, y);
+            wanted = sideways(wanted, along, x);
+            const Pair3 normal = normalize(wanted);
+            centre_.setPair(i, centre - along * behind_.pair(i));
+            z_.setPair(i, along);
+            x_.setPair(i, cross(along, normal));
+            y_.setPair(i, normal);
+        }
+    }
+
+    /// `wanted`, or where nothing is left of it, what of `instead` is across `along`.
+    static Pair3 sideways(Pair3 wanted, const Pair3& along, const Pair3& instead) {
+        const Pair size = dot(wanted, wanted);
+        if (size[0] >= 1e-6 && size[1] >= 1e-6) return wanted;
+        const Pair3 other = instead - along * dot(instead, along);
+        for (int lane = 0; lane < 2; ++lane)
+            if (!(size[lane] >= 1e-6)) wanted.x[lane] = other.x[lane], wanted.y[lane] = other.y[lane], wanted.z[lane] = other.z[lane];
+        return wanted;
+    }
+
+    Mesh& mesh_;
+    const LeafParameters& p_;
+    LeafMode mode_;
+    double growth_;
+    int lod_;
+    size_t count_ = 0, done_ = 0;
+    Column spin_, down_;     // radians, about the twig and away from it
+    Column length_, width_;  // metres
+    Column behind_;          // of the root, metres: how far a leaf that stands for several reaches back
+    Column3 chance_;         // of the blade's side
+    Column3 centre_, x_, y_, z_;
+    const glm::dmat3* twig_[kSize] = {};  // frame of a twig that is not meshed
+};
 
 }  // namespace
 
@@ -204,14 +264,16 @@ Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMo
     if (mode == LeafMode::card) mesh.uvs.resize(corners * count);
 
     const double growth = std::clamp(std::sqrt(available / double(count)), kMinGrowth, kMaxGrowth[lod]);
+    LeafBatch batch(mesh, species.leaves, mode, growth, lod);
     double share = 0;
     size_t placed = 0;
     for (const LeafSite& site : sites) {
         share += site.leaves;
         const size_t upTo = &site == &sites.back() ? count : std::min(count, size_t(share / available * double(count) + 0.5));
-        growSite(mesh, species.leaves, site, mode, placed, upTo - placed, growth, lod, base::Random(seed, site.twig, kLeafPurpose));
+        batch.grow(site, upTo - placed, base::Random(seed, site.twig, kLeafPurpose));
         placed = upTo;
     }
+    batch.flush();
     return mesh;
 }
 

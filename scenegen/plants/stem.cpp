@@ -44,18 +44,26 @@ double StemAxis::enter(double offset) {
     return std::clamp((offset - rings[i].offset) / (rings[i + 1].offset - rings[i].offset), 0.0, 1.0);
 }
 
-glm::dvec3 StemAxis::centre(double offset) {
-    const double t = enter(offset), s = 1 - t;
+glm::dvec3 StemAxis::spline(double t) const {
+    const double s = 1 - t;
     double w0 = s * s * s / 6, w1 = 2.0 / 3 - t * t * (1 - 0.5 * t), w2 = 2.0 / 3 - s * s * (1 - 0.5 * s), w3 = t * t * t / 6;
     if (stem_->faceted) w0 = s / 6, w1 = (4 * s + t) / 6, w2 = (s + 4 * t) / 6, w3 = t / 6;
     return before_ * w0 + a_ * w1 + b_ * w2 + after_ * w3;
 }
 
-StemPoint StemAxis::at(double offset) {
-    const double t = enter(offset), s = 1 - t;
+glm::dvec3 StemAxis::centre(double offset) { return spline(enter(offset)); }
+
+StemAxis::Raw StemAxis::raw(double offset) {
+    const double t = enter(offset);
     const Ring &ra = stem_->rings[segment_], &rb = stem_->rings[segment_ + 1];
-    const glm::dvec3 z = glm::normalize(ra.frame[2] * s + rb.frame[2] * t);
-    return {centre(offset), frameAlong(z, ra.frame[0]), ra.radius * s + rb.radius * t};
+    return {spline(t), ra.frame[2] * (1 - t) + rb.frame[2] * t, ra.frame[0]};
+}
+
+StemPoint StemAxis::at(double offset) {
+    const double t = enter(offset);
+    const Ring &ra = stem_->rings[segment_], &rb = stem_->rings[segment_ + 1];
+    const glm::dvec3 z = glm::normalize(ra.frame[2] * (1 - t) + rb.frame[2] * t);
+    return {spline(t), frameAlong(z, ra.frame[0]), ra.radius * (1 - t) + rb.radius * t};
 }
 
 void thinRings(Skeleton& skeleton) {
