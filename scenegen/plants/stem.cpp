@@ -68,17 +68,19 @@ StemPoint StemAxis::at(double offset) {
 
 void thinRings(Skeleton& skeleton) {
     std::vector<glm::dvec3> moved(skeleton.stems.size(), glm::dvec3(0));
-    const Skeleton before = skeleton;
+    std::vector<Stem> before(skeleton.stems.size());
     for (size_t i = 0; i < skeleton.stems.size(); ++i) {
         Stem& stem = skeleton.stems[i];
         if (stem.parent >= 0) {
             const auto parent = size_t(stem.parent);
-            moved[i] = skeleton.stems[parent].at(stem.parentOffset).centre - before.stems[parent].at(stem.parentOffset).centre;
+            moved[i] = StemAxis(skeleton.stems[parent]).centre(stem.parentOffset) - StemAxis(before[parent]).centre(stem.parentOffset);
         }
-        std::vector<Ring> kept;
-        for (size_t r = 0; r < stem.rings.size(); ++r)
-            if (r % 2 == 0 || r + 1 == stem.rings.size()) kept.push_back(stem.rings[r]);
-        stem.rings = std::move(kept);
+        std::vector<Ring> all = std::exchange(stem.rings, {});
+        before[i] = stem;
+        stem.rings.reserve(all.size() / 2 + 1);
+        for (size_t r = 0; r < all.size(); ++r)
+            if (r % 2 == 0 || r + 1 == all.size()) stem.rings.push_back(all[r]);
+        before[i].rings = std::move(all);
         for (Ring& ring : stem.rings) ring.centre += moved[i];
         orientRings(stem.rings);
     }

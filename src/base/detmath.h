@@ -58,8 +58,9 @@ inline double log2(double x) {
         --exponent;
     }
     const double s = (m - 1) / (m + 1), q = s * s;
+    constexpr double kInverse[] = {1.0 / 19, 1.0 / 17, 1.0 / 15, 1.0 / 13, 1.0 / 11, 1.0 / 9, 1.0 / 7, 1.0 / 5, 1.0 / 3, 1.0};
     double sum = 0;
-    for (int i = 19; i >= 1; i -= 2) sum = sum * q + 1.0 / i;
+    for (const double inverse : kInverse) sum = sum * q + inverse;
     return exponent + 2 * s * sum * 1.44269504088896340736;
 }
 
