@@ -158,8 +158,9 @@ private:
         const double most = species_.prune.width * height_;
         const auto outside = [&](const glm::dvec3& p) {
             const double distance2 = p.x * p.x + p.y * p.y;
-            if (distance2 > most * most) return true;  // without the power, which takes most of the time
-            const double widest = most * envelopeRatio(species_.prune, (height_ - p.z) / (height_ * (1 - species_.baseSize)));
+            const double ratio = (height_ - p.z) / (height_ * (1 - species_.baseSize)), least = most * envelopeAtLeast(species_.prune, ratio);
+            if (distance2 > most * most || distance2 < least * least) return distance2 > most * most;  // a power takes long
+            const double widest = most * envelopeRatio(species_.prune, ratio);
             return distance2 > widest * widest;
         };
         if (outside(position)) return segment * step;

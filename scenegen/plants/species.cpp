@@ -5,7 +5,9 @@
 #include "base/file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <utility>
 
 namespace dapple::scenegen {
 namespace {
@@ -161,11 +163,26 @@ double shapeRatio(int shape, double r) {
     }
 }
 
+namespace {
+
+/// Of the envelope at a height: the base and the exponent of its power.
+std::pair<double, double> envelopePower(const PruneParameters& p, double r) {
+    const double top = 1 - p.widthPeak;  // share of the crown above its widest place
+    return r < top ? std::pair(r / top, p.powerHigh) : std::pair((1 - r) / (1 - top), p.powerLow);
+}
+
+}  // namespace
+
 double envelopeRatio(const PruneParameters& p, double r) {
     if (r < 0 || r > 1) return 0;
-    const double top = 1 - p.widthPeak;  // share of the crown above its widest place
-    // det::pow(0, y) is 0 for every y, so a power of 0 still closes the envelope.
-    return r < top ? base::det::pow(r / top, p.powerHigh) : base::det::pow((1 - r) / (1 - top), p.powerLow);
+    const auto [base, power] = envelopePower(p, r);
+    return base::det::pow(base, power);  // 0 for a base of 0, so that a power of 0 still closes the envelope
+}
+
+double envelopeAtLeast(const PruneParameters& p, double r) {
+    if (r < 0 || r > 1) return 0;
+    const auto [base, power] = envelopePower(p, r);
+    return power <= 0.5 ? 0.999999 * std::sqrt(base) : power <= 1 ? 0.999999 * base : 0;
 }
 
 }  // namespace dapple::scenegen

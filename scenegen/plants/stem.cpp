@@ -6,9 +6,9 @@ namespace dapple::scenegen {
 
 void orientRings(std::vector<Ring>& r) {
     const size_t last = r.size() - 1;
-    glm::dvec3 across = r[0].frame[0];
+    glm::dvec3 across = r[0].frame[0], along(0);
     for (size_t i = 0; i <= last; ++i) {
-        const glm::dvec3 along = glm::normalize(r[std::min(i + 1, last)].centre - r[i == 0 ? 0 : i - 1].centre);
+        if (i == 0 || last > 1) along = glm::normalize(r[std::min(i + 1, last)].centre - r[i == 0 ? 0 : i - 1].centre);
         if (std::abs(glm::dot(across, along)) > 0.99) across = r[i].frame[1];
         r[i].frame = frameAlong(along, across);
         across = r[i].frame[0];
