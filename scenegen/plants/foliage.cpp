@@ -16,76 +16,13 @@ constexpr uint64_t kLeafPurpose = 64;
 constexpr double kMinGrowth = 0.5, kMaxGrowth[kLods] = {3.5, 6, 12};
 /// Least width over length of the farthest level's leaves: a bundle of needles is no giant needle.
 constexpr double kFarScaleX = 0.4;
-/// Thickness of a solid leaf over its width: far more than a real one's, so that depth maps can tell its sides apart.
-constexpr double kThickness = 0.04;
-
-struct Blade {
-    glm::dvec3 root, along, across, normal;  // a right-handed frame: across × along = normal
-    double length, width;
-};
-
-/// The corners of a leaf: root, right, tip, left; the halves rise from the midrib.
-struct Outline {
-    glm::dvec3 positions[4], normals[4];
-};
-
-Outline leafOutline(const Blade& b) {
-    const glm::dvec3 middle = b.root + b.along * (0.45 * b.length) + b.normal * (0.12 * b.width), side = b.across * (0.5 * b.width);
-    // The halves lean towards the midrib: normals 0.96² + 0.28² = 1.
-    const glm::dvec3 up = 0.96 * b.normal, lean = 0.28 * b.across;
-    return {{b.root, middle + side, b.root + b.along * b.length, middle - side}, {b.normal, up - lean, b.normal, up + lean}};
-}
-
-/// Vertices and triangles of blade `at`; two triangles (0, 1, 2) and (0, 2, 3).
-void setQuad(Mesh& mesh, size_t at, const Outline& o) {
-    for (size_t i = 0; i < 4; ++i) {
-        mesh.positions[4 * at + i] = glm::vec3(o.positions[i]);
-        mesh.normals[4 * at + i] = glm::vec3(o.normals[i]);
-    }
-    uint32_t* index = &mesh.indices[6 * at];
-    for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) *index++ = uint32_t(4 * at) + i;
-}
-
-/// An octahedron: the outline, and a point above and below its midrib. The rim stands twice, for normals of both sides.
-void setSolid(Mesh& mesh, size_t at, const Blade& b) {
-    const Outline o = leafOutline(b);
-    const glm::dvec3 middle = b.root + b.along * (0.45 * b.length), thick = b.normal * (0.5 * kThickness * b.width);
-    for (size_t below = 0; below < 2; ++below) {
-        const double up = below ? -1 : 1;
-        const size_t first = 10 * at + 5 * below;
-        for (size_t i = 0; i < 4; ++i) {
-            mesh.positions[first + i] = glm::vec3(o.positions[i]);
-            mesh.normals[first + i] = glm::vec3(up * o.normals[i]);
-        }
-        mesh.positions[first + 4] = glm::vec3(middle + up * thick);
-        mesh.normals[first + 4] = glm::vec3(up * b.normal);
-    }
-    uint32_t* index = &mesh.indices[24 * at];
-    for (const uint32_t i : {0u, 1u, 4u, 1u, 2u, 4u, 2u, 3u, 4u, 3u, 0u, 4u, 6u, 5u, 9u, 7u, 6u, 9u, 8u, 7u, 9u, 5u, 8u, 9u})
-        *index++ = uint32_t(10 * at) + i;
-}
-
-void setCard(Mesh& mesh, size_t at, const Blade& b) {
-    const glm::dvec3 side = b.across * (0.5 * b.width), tip = b.root + b.along * b.length;
-    setQuad(mesh, at, {{b.root - side, b.root + side, tip + side, tip - side}, {b.normal, b.normal, b.normal, b.normal}});
-    const glm::vec2 uvs[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-    std::copy_n(uvs, 4, &mesh.uvs[4 * at]);
-}
-
-void setBlade(Mesh& mesh, LeafMode mode, size_t at, const Blade& blade) {
-    switch (mode) {
-        case LeafMode::polygon: return setQuad(mesh, at, leafOutline(blade));
-        case LeafMode::card: return setCard(mesh, at, blade);
-        case LeafMode::solid: return setSolid(mesh, at, blade);
-    }
-}
 
 /// Leaves on their way into a mesh. A leaf is one long chain of roots and quotients that wait for each other; taken step by
 /// step for many leaves, in pairs, the processor works on several at once.
 class LeafBatch {
 public:
-    LeafBatch(Mesh& mesh, const LeafParameters& p, LeafMode mode, double growth, int lod)
-        : mesh_(mesh), p_(p), mode_(mode), growth_(growth), lod_(lod) {}
+    LeafBatch(Mesh& mesh, const LeafParameters& p, LeafShape shape, LeafMode mode, double growth, int lod)
+        : mesh_(mesh), p_(p), shape_(shape), mode_(mode), growth_(growth), lod_(lod) {}
 
     /// Leaves 0 … n - 1 of a site.
     void grow(const LeafSite& site, size_t n, base::Random random) {
@@ -106,7 +43,7 @@ public:
     void flush() {
         orient();
         place();
-        for (size_t i = 0; i < count_; ++i) setBlade(mesh_, mode_, done_ + i, {centre_.at(i), z_.at(i), x_.at(i), y_.at(i), length_.v[i], width_.v[i]});
+        for (size_t i = 0; i < count_; ++i) setLeaf(mesh_, shape_, mode_, done_ + i, {centre_.at(i), z_.at(i), x_.at(i), y_.at(i), length_.v[i], width_.v[i]});
         done_ += count_;
         count_ = 0;
     }
@@ -130,9 +67,11 @@ private:
     double draw(const LeafSite& site, size_t k, size_t n, base::Random& random) {
         const bool card = mode_ == LeafMode::card;
         const double share = (double(k) + random.next(0.2f, 0.8f)) / double(n);
-        // Two rows (rotate < 0) or a helix, like the stems themselves.
-        const double turn = p_.rotate < 0 ? (k % 2 ? 90 : -90) : p_.rotate * double(k);
-        const double downAngle = card ? p_.cardDownAngle : p_.downAngle;
+        // Two rows (rotate < 0) or a helix, like the stems themselves; a fan lies in one plane.
+        const double fan = (2 * double(k) + 1) / double(n) - 1;
+        const bool rows = p_.rotate < 0 || p_.count < 0;
+        const double turn = rows ? ((p_.count < 0 ? fan > 0 : k % 2) ? 90 : -90) : p_.rotate * double(k);
+        const double downAngle = (card ? p_.cardDownAngle : p_.downAngle) * (p_.count < 0 ? std::abs(fan) : 1);
         // Towards the tip leaves close up: the last one goes on where the twig ends.
         down_.v[count_] = std::max(0.0, downAngle * (1.15 - 0.6 * share) + p_.downAngleV * random.next(-1, 1)) * det::kDegree;
         spin_.v[count_] = (turn + p_.rotateV * random.next(-1, 1)) * det::kDegree;
@@ -200,6 +139,7 @@ private:
 
     Mesh& mesh_;
     const LeafParameters& p_;
+    LeafShape shape_;
     LeafMode mode_;
     double growth_;
     int lod_;
@@ -231,11 +171,12 @@ std::vector<LeafSite> leafSites(const Species& species, const Skeleton& skeleton
         if (twig.level + 1 != int(species.levels.size())) continue;
         const double length = twig.length - twig.start;
         // The paper gives all twigs the same number; ours share out by length, or a fir's top would be its densest part.
-        double leaves = species.leaves.count * twig.leafShare * length * twigs / sum;
+        double leaves = std::abs(species.leaves.count) * twig.leafShare * length * twigs / sum;
         if (mode == LeafMode::card) leaves /= species.leaves.cardLeaves;
         const double size = mode == LeafMode::card ? 0.4 + 0.6 * twig.length / longest : 1;
         if (meshed[i] || floating) {
-            sites.push_back({i, &twig, nullptr, twig.start + 0.12 * length, twig.start + 0.98 * length, leaves, size});
+            const double begin = species.leaves.count < 0 ? 0.94 : 0.12;
+            sites.push_back({i, &twig, nullptr, twig.start + begin * length, twig.start + 0.98 * length, leaves, size});
         } else if (meshed[size_t(twig.parent)]) {
             const Stem& parent = skeleton.stems[size_t(twig.parent)];
             const double reach = 0.04 * parent.length;
@@ -257,14 +198,15 @@ Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMo
     for (const LeafSite& site : sites) available += site.leaves;
     Mesh mesh;
     if (available <= 0 || count == 0) return mesh;
-    const size_t corners = mode == LeafMode::solid ? 10 : 4;
+    const LeafShape shape = leafShape(species, lod);
+    const size_t corners = leafVertices(shape, mode);
     mesh.positions.resize(corners * count);
     mesh.normals.resize(corners * count);
-    mesh.indices.resize(3 * leafTriangles(mode) * count);
+    mesh.indices.resize(3 * leafTriangles(shape, mode) * count);
     if (mode == LeafMode::card) mesh.uvs.resize(corners * count);
 
     const double growth = std::clamp(std::sqrt(available / double(count)), kMinGrowth, kMaxGrowth[lod]);
-    LeafBatch batch(mesh, species.leaves, mode, growth, lod);
+    LeafBatch batch(mesh, species.leaves, shape, mode, growth, lod);
     double share = 0;
     size_t placed = 0;
     for (const LeafSite& site : sites) {

@@ -14,7 +14,7 @@ namespace det = base::det;
 namespace {
 
 /// Keys of the random streams of one stem.
-enum Purpose : uint64_t { kCurve = 1, kSplit, kChildren };
+enum Purpose : uint64_t { kCurve = 1, kSplit, kChildren, kProportions };
 
 /// A stem's tip keeps this share of its radius: a cone's apex would make degenerate triangles.
 constexpr double kTipRadius = 0.15;
@@ -66,20 +66,30 @@ public:
         Stem stem;
         height_ = scale;
         stem.length = scale * (trunk.length + trunk.lengthV * random.next(-1, 1));
-        stem.radius = stem.length * species_.ratio;
+        base::Random proportions(seed_, 0, kProportions);
+        stem.radius = stem.length * species_.ratio * (species_.radiusScale + species_.radiusScaleV * proportions.next(-1, 1));
+        const double zScale = species_.zScale + species_.zScaleV * proportions.next(-1, 1);
         stem.crown = species_.baseSize * stem.length;
         stem.bury = 0.02 * stem.length;
         const double turn = 360 * random.next();
         trunkLength_ = stem.length;
-        if (species_.colonisation) {
+        if (species_.colonisation)
             growCrown(stem);
-            return std::move(skeleton_);
-        }
-        growStem(std::move(stem), rotateZ(glm::dmat3(1), turn), glm::dvec3(0), 0, 0);
+        else
+            growStem(std::move(stem), rotateZ(glm::dmat3(1), turn), glm::dvec3(0), 0, 0);
+        if (zScale != 1) stretch(zScale);
         return std::move(skeleton_);
     }
 
 private:
+    /// Offsets stay shares of the lengths that the parameters speak of, so that children stay where they sit.
+    void stretch(double zScale) {
+        for (Stem& stem : skeleton_.stems) {
+            for (Ring& ring : stem.rings) ring.centre.z *= zScale;
+            orientRings(stem.rings);
+        }
+    }
+
     double surfaceRadius(const Stem& stem, double offset) const {
         const double z = std::clamp(offset / stem.length, 0.0, 1.0);
         double r = taperedRadius(species_.levels[size_t(stem.level)].taper, stem.radius, stem.length, z);
@@ -322,12 +332,16 @@ private:
         return z * (1.25 - 0.25 * z);
     }
 
+    double crownRatio(double fromTop) const {
+        return species_.shape == 8 ? envelopeRatio(species_.prune, fromTop) : shapeRatio(species_.shape, fromTop);
+    }
+
     /// Child k at `offset`; `turn` is the direction of the one before.
     Bud bud(const Stem& parent, const LevelParameters& p, double offset, int k, double& turn, base::Random& random) const {
         const double fromTop = (parent.length - offset) / std::max(1e-9, parent.length - parent.crown);
         const double relative = p.length + p.lengthV * random.next(-1, 1);
         Bud b{.offset = offset};
-        b.length = parent.level == 0 ? parent.length * relative * shapeRatio(species_.shape, fromTop)
+        b.length = parent.level == 0 ? parent.length * relative * crownRatio(fromTop)
                    : species_.colonisation ? relative * trunkLength_
                                            : relative * (parent.length - 0.6 * offset);
         b.leafShare = shapeRatio(4, fromTop);
