@@ -22,7 +22,7 @@ constexpr double kFarScaleX = 0.4;
 class LeafBatch {
 public:
     LeafBatch(Mesh& mesh, const LeafParameters& p, LeafShape shape, LeafMode mode, double growth, int lod)
-        : mesh_(mesh), p_(p), shape_(shape), mode_(mode), growth_(growth), lod_(lod) {}
+        : mesh_(mesh), p_(p), shape_(shape), mode_(mode), corners_(leafVertices(shape, mode)), indices_(3 * leafTriangles(shape, mode)), growth_(growth), lod_(lod) {}
 
     /// Leaves 0 … n - 1 of a site.
     void grow(const LeafSite& site, size_t n, base::Random random) {
@@ -43,8 +43,8 @@ public:
     void flush() {
         orient();
         place();
-        for (size_t i = 0; i < count_; ++i) setLeaf(mesh_, shape_, mode_, done_ + i, {centre_.at(i), z_.at(i), x_.at(i), y_.at(i), length_.v[i], width_.v[i]});
-        done_ += count_;
+        for (size_t i = 0; i < count_; ++i, vertex_ += corners_, index_ += indices_)
+            setLeaf(mesh_, shape_, mode_, vertex_, index_, {centre_.at(i), z_.at(i), x_.at(i), y_.at(i), length_.v[i], width_.v[i]});
         count_ = 0;
     }
 
@@ -141,9 +141,11 @@ private:
     const LeafParameters& p_;
     LeafShape shape_;
     LeafMode mode_;
+    size_t corners_, indices_;  // of one leaf
     double growth_;
     int lod_;
-    size_t count_ = 0, done_ = 0;
+    size_t count_ = 0;                // that wait
+    size_t vertex_ = 0, index_ = 0;   // where the first of them goes
     Column spin_, down_;     // radians, about the twig and away from it
     Column length_, width_;  // metres
     Column behind_;          // of the root, metres: how far a leaf that stands for several reaches back

@@ -58,9 +58,14 @@ void setVertex(Mesh& mesh, size_t at, const glm::dvec3& position, const glm::dve
 
 void setFlat(Mesh& mesh, size_t& vertex, uint32_t*& index, const Piece& piece, const Blade& b) {
     const auto first = uint32_t(vertex), corners = uint32_t(piece.rim.size());
-    for (const glm::dvec2& p : piece.rim) setVertex(mesh, vertex++, pointOf(b, p), normalOf(b, p.x));
-    for (uint32_t i = 1; i + 1 < corners; ++i)
-        for (const uint32_t v : {0u, i, i + 1}) *index++ = first + v;
+    glm::vec3 *position = &mesh.positions[vertex], *normal = &mesh.normals[vertex];
+    const glm::vec3 middle(b.normal), sides[2] = {glm::vec3(normalOf(b, -1)), glm::vec3(normalOf(b, 1))};
+    for (const glm::dvec2& p : piece.rim) {
+        *position++ = glm::vec3(pointOf(b, p));
+        *normal++ = p.x == 0 ? middle : sides[p.x > 0];
+    }
+    vertex += corners;
+    for (uint32_t i = 1; i + 1 < corners; ++i, index += 3) index[0] = first, index[1] = first + i, index[2] = first + i + 1;
 }
 
 /// The outline, and a point above and below its heart. The rim stands twice, for normals of both sides.
@@ -78,14 +83,14 @@ void setSolid(Mesh& mesh, size_t& vertex, uint32_t*& index, const Piece& piece, 
     }
 }
 
-void setCard(Mesh& mesh, size_t at, const Blade& b) {
+void setCard(Mesh& mesh, size_t vertex, size_t firstIndex, const Blade& b) {
     const glm::dvec3 side = b.across * (0.5 * b.width), tip = b.root + b.along * b.length;
     const glm::dvec3 corners[4] = {b.root - side, b.root + side, tip + side, tip - side};
-    for (size_t i = 0; i < 4; ++i) setVertex(mesh, 4 * at + i, corners[i], b.normal);
+    for (size_t i = 0; i < 4; ++i) setVertex(mesh, vertex + i, corners[i], b.normal);
     const glm::vec2 uvs[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-    std::copy_n(uvs, 4, &mesh.uvs[4 * at]);
-    uint32_t* index = &mesh.indices[6 * at];
-    for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) *index++ = uint32_t(4 * at) + i;
+    std::copy_n(uvs, 4, &mesh.uvs[vertex]);
+    uint32_t* index = &mesh.indices[firstIndex];
+    for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) *index++ = uint32_t(vertex) + i;
 }
 
 }  // namespace
@@ -104,11 +109,14 @@ size_t leafTriangles(LeafShape shape, LeafMode mode) {
     return count;
 }
 
-void setLeaf(Mesh& mesh, LeafShape shape, LeafMode mode, size_t at, const Blade& blade) {
-    if (mode == LeafMode::card) return setCard(mesh, at, blade);
-    size_t vertex = at * leafVertices(shape, mode);
-    uint32_t* index = &mesh.indices[3 * at * leafTriangles(shape, mode)];
-    for (const Piece& piece : piecesOf(shape)) (mode == LeafMode::solid ? setSolid : setFlat)(mesh, vertex, index, piece, blade);
+void setLeaf(Mesh& mesh, LeafShape shape, LeafMode mode, size_t vertex, size_t firstIndex, const Blade& blade) {
+    if (mode == LeafMode::card) return setCard(mesh, vertex, firstIndex, blade);
+    uint32_t* index = &mesh.indices[firstIndex];
+    for (const Piece& piece : piecesOf(shape))
+        if (mode == LeafMode::solid)
+            setSolid(mesh, vertex, index, piece, blade);
+        else
+            setFlat(mesh, vertex, index, piece, blade);
 }
 
 }  // namespace dapple::scenegen

@@ -20,9 +20,9 @@ struct Blade {
     double length, width;                    ///< metres
 };
 
-/// Writes leaf `at` of a mesh that has room for it, and texture coordinates for a card. A polygon's vertices come piece
-/// by piece (the shape `three` has three), from its root counter-clockwise; a solid's are those of its upper side and a
-/// point over their middle, then the same of its lower side.
-void setLeaf(Mesh& mesh, LeafShape shape, LeafMode mode, size_t at, const Blade& blade);
+/// Writes a leaf's vertices, indices and, for a card, texture coordinates from those places of a mesh on, which has room for
+/// them. A polygon's vertices come piece by piece (the shape `three` has three), from its root counter-clockwise; a solid's
+/// are those of its upper side and a point over their middle, then the same of its lower side.
+void setLeaf(Mesh& mesh, LeafShape shape, LeafMode mode, size_t vertex, size_t firstIndex, const Blade& blade);
 
 }  // namespace dapple::scenegen

@@ -29,8 +29,7 @@ inline std::string brokenSpheres(const dapple::scenegen::Mesh& mesh) {
     };
     for (size_t i = 0; i < mesh.indices.size(); ++i) {
         const uint32_t a = corner(i), b = corner(next(i));
-        if (count(a, b) != 1) return "an edge is used twice in one direction";
-        if (count(b, a) != 1) return "an edge has no opposite";
+        if (count(b, a) != 1) return "an edge has not one opposite";  // asked from both sides, so each is there once
         root[find(a)] = find(b);
     }
     std::vector<long> euler(vertices, 0);  // twice V - E + F, at each component's root
