@@ -33,7 +33,7 @@ Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMo
 /// Outline of the leaves at a level of detail.
 inline LeafShape leafShape(const Species& species, int lod) { return lod == 0 ? species.leaves.shape : LeafShape::diamond; }
 
-/// A drawn cluster of leaves or spray of needles with alpha, for the cards; its foot is in the middle of the lower edge.
+/// A drawn cluster of leaves, spray of needles or tuft of blades with alpha, for the cards; its foot is in the middle of the lower edge.
 /// Colours are relative: the material's albedo multiplies them.
 base::Image8 drawCard(const Species& species, int size);
 

@@ -271,6 +271,30 @@ TEST(Species, shapeEightIsTheEnvelope) {
     }
 }
 
+TEST(Species, badValuesNameFileLineAndKey) {
+    const std::string good = dapple::base::readFile(dapple::base::homeFolder() / "scenegen/plants/species/maple.toml");
+    const auto errorWith = [&](const std::string& from, const std::string& to) -> std::string {
+        std::string text = good;
+        text.replace(text.find(from), from.size(), to);
+        dapple::base::ConfigTable table = dapple::base::ConfigTable::parseText(text, "maple.toml");
+        try {
+            readSpecies(table);
+        } catch (const dapple::base::UsageError& error) {
+            return error.what();
+        }
+        return "no error";
+    };
+    const auto expect = [&](const std::string& from, const std::string& to, const std::string& part) {
+        EXPECT_NE(errorWith(from, to).find(part), std::string::npos) << to << ": " << errorWith(from, to);
+    };
+    EXPECT_EQ(errorWith("maple5", "maple5"), "no error");
+    expect("\"maple5\"", "\"maple7\"", "shape: 'maple7' is none of diamond, oval");
+    expect("shape = 1", "shape = 9", ":5: shape: 9 is outside");
+    expect("scaleV = 1.5", "scaleV = 1.5\nzScale = 0.5\nzScaleV = 0.5", ":10: zScaleV: must be below zScale");
+    expect("scaleV = 1.5", "scaleV = 1.5\nradiusScale = nan", ":9: radiusScale: must be finite");
+    expect("scaleV = 1.5", "scaleV = 1.5\nradiusScaleV = 2", ":9: radiusScaleV: must be below radiusScale");
+}
+
 TEST(Leaves, negativeCountMakesAFan) {
     Species s = loadSpecies("shrub");
     s.leaves.count = -9;
