@@ -50,7 +50,7 @@ TEST_P(EverySpecies, hundredIndividualsAreSoundAtEveryLevel) {
         if (tree.leaves.triangles() <= budget / 5) return "hardly a leaf";
         if (const std::string wrong = brokenSpheres(tree.bark) + brokenTriangles(tree.bark) + brokenTriangles(tree.leaves); !wrong.empty()) return wrong;
         const size_t corners = leafVertices(leafShape(species, lod), LeafMode::polygon), leaves = tree.leaves.positions.size() / corners;
-        for (size_t i = 0; lod == 0 && i < leaves; i += leaves / 8 + 1)
+        for (size_t i = 0; lod == 0 && i < leaves; i += leaves / 4 + 1)
             if (windingNumber(tree.bark, tree.leaves.positions[corners * i]) < 1) return "a leaf floats";
         return "";
     };
