@@ -49,6 +49,9 @@ BENCHMARK_CAPTURE(wholeTree, oakPolygons, "oak", LeafMode::polygon);
 BENCHMARK_CAPTURE(wholeTree, oakCards, "oak", LeafMode::card);
 BENCHMARK_CAPTURE(wholeTree, oakSolid, "oak", LeafMode::solid);
 BENCHMARK_CAPTURE(wholeTree, firCards, "fir", LeafMode::card);
+BENCHMARK_CAPTURE(wholeTree, birchCards, "birch", LeafMode::card);
+BENCHMARK_CAPTURE(wholeTree, pineCards, "pine", LeafMode::card);
+BENCHMARK_CAPTURE(wholeTree, willowCards, "willow", LeafMode::card);
 
 /// Sixty individuals, of all species in turn, each at its three levels of detail.
 void prototypes(benchmark::State& state) {

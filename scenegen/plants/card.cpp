@@ -8,6 +8,9 @@
 namespace dapple::scenegen {
 namespace {
 
+/// Leaves that are narrower, over their length, are blades of grass.
+constexpr double kBladeScaleX = 0.1;
+
 /// Draws tapering blades into an image; the coverage of an edge texel is its distance to the edge, so that the alpha
 /// test at one half cuts along the outline.
 class Painter {
@@ -69,6 +72,14 @@ void drawNeedles(Painter& painter, base::Random& random) {
     sprig({0.5, 1.0}, 0, 0.86, 0.13);
 }
 
+void drawBlades(Painter& painter, base::Random& random) {
+    constexpr int kBlades = 17;
+    for (int i = 0; i < kBlades; ++i) {
+        const double tone = 0.7 + 0.3 * random.next(), t = 2.0 * i / (kBlades - 1) - 1;
+        painter.blade({0.5 + 0.12 * t, 1.0}, 26 * t + 5 * random.next(-1, 1), random.next(0.65f, 0.98f), 0.04, 0.35, {tone, tone, 0.9 * tone});
+    }
+}
+
 void drawLeaves(Painter& painter, base::Random& random) {
     painter.blade({0.5, 1.0}, 0, 0.8, 0.02, 0, {0.8, 0.65, 0.55});
     constexpr int kPairs = 5;
@@ -86,7 +97,8 @@ void drawLeaves(Painter& painter, base::Random& random) {
 base::Image8 drawCard(const Species& species, int size) {
     Painter painter(size, 217, 217, 195);
     base::Random random(0, 0, species.leaves.needles ? 2 : 1);
-    species.leaves.needles ? drawNeedles(painter, random) : drawLeaves(painter, random);
+    const auto draw = species.leaves.needles ? drawNeedles : species.leaves.scaleX < kBladeScaleX ? drawBlades : drawLeaves;
+    draw(painter, random);
     return painter.take();
 }
 

@@ -1,22 +1,13 @@
 #pragma once
 
+#include "scenegen/plants/leaf.h"
 #include "scenegen/plants/skeleton.h"
-#include "scenegen/scene.h"
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace dapple::scenegen {
-
-enum class LeafMode {
-    polygon,  ///< each leaf is two triangles folded along its midrib; opaque, open
-    card,     ///< alpha-tested quads, each a cluster of leaves
-    solid,    ///< the polygon's leaf with a thickness: eight triangles, closed, so that the whole tree is
-};
-
-/// Triangles of one leaf or card.
-constexpr size_t leafTriangles(LeafMode mode) { return mode == LeafMode::solid ? 8 : 2; }
 
 /// Where the leaves of one twig grow: on the twig, or, where the mesh leaves it out, on its parent where it began.
 struct LeafSite {
@@ -36,10 +27,13 @@ size_t naturalLeaves(std::span<const LeafSite> sites);
 
 /// `count` leaves or cards, each rooted on the axis of its site's stem. Fewer than natural are larger, more are smaller,
 /// so that the foliage keeps its area. Polygon and solid leaves have the same places and outlines. From `lod` 1 on a
-/// leaf stands for several: it grows to both sides of its root, so that the crown keeps its outline.
+/// leaf stands for several: it grows to both sides of its root, so that the crown keeps its outline, and is a diamond.
 Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMode mode, size_t count, int lod, uint64_t seed);
 
-/// A drawn cluster of leaves or spray of needles with alpha, for the cards; its foot is in the middle of the lower edge.
+/// Outline of the leaves at a level of detail.
+inline LeafShape leafShape(const Species& species, int lod) { return lod == 0 ? species.leaves.shape : LeafShape::diamond; }
+
+/// A drawn cluster of leaves, spray of needles or tuft of blades with alpha, for the cards; its foot is in the middle of the lower edge.
 /// Colours are relative: the material's albedo multiplies them.
 base::Image8 drawCard(const Species& species, int size);
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace dapple::scenegen {
@@ -13,7 +14,7 @@ namespace det = base::det;
 namespace {
 
 /// Keys of the random streams of one stem.
-enum Purpose : uint64_t { kCurve = 1, kSplit, kChildren };
+enum Purpose : uint64_t { kCurve = 1, kSplit, kChildren, kProportions };
 
 /// A stem's tip keeps this share of its radius: a cone's apex would make degenerate triangles.
 constexpr double kTipRadius = 0.15;
@@ -45,6 +46,15 @@ struct Fork {
     double correction;  ///< degrees per segment that bend it back
 };
 
+/// A child to be: what the parameters and chance give before its parent's surface is looked at.
+struct Bud {
+    double offset;         ///< metres along the parent
+    double length = 0;     ///< metres
+    double thickness = 0;  ///< radius over the parent's
+    double leafShare = 0;
+    double direction = 0, down = 0;  ///< degrees, about the parent's axis and away from it
+};
+
 class Grower {
 public:
     Grower(const Species& species, uint64_t seed) : species_(species), seed_(seed), splitError_(species.levels.size(), 0.0) {}
@@ -56,20 +66,30 @@ public:
         Stem stem;
         height_ = scale;
         stem.length = scale * (trunk.length + trunk.lengthV * random.next(-1, 1));
-        stem.radius = stem.length * species_.ratio;
+        base::Random proportions(seed_, 0, kProportions);
+        stem.radius = stem.length * species_.ratio * (species_.radiusScale + species_.radiusScaleV * proportions.next(-1, 1));
+        const double zScale = species_.zScale + species_.zScaleV * proportions.next(-1, 1);
         stem.crown = species_.baseSize * stem.length;
         stem.bury = 0.02 * stem.length;
         const double turn = 360 * random.next();
         trunkLength_ = stem.length;
-        if (species_.colonisation) {
+        if (species_.colonisation)
             growCrown(stem);
-            return std::move(skeleton_);
-        }
-        growStem(std::move(stem), rotateZ(glm::dmat3(1), turn), glm::dvec3(0), 0, 0);
+        else
+            growStem(std::move(stem), rotateZ(glm::dmat3(1), turn), glm::dvec3(0), 0, 0);
+        if (zScale != 1) stretch(zScale);
         return std::move(skeleton_);
     }
 
 private:
+    /// Offsets stay shares of the lengths that the parameters speak of, so that children stay where they sit.
+    void stretch(double zScale) {
+        for (Stem& stem : skeleton_.stems) {
+            for (Ring& ring : stem.rings) ring.centre.z *= zScale;
+            orientRings(stem.rings);
+        }
+    }
+
     double surfaceRadius(const Stem& stem, double offset) const {
         const double z = std::clamp(offset / stem.length, 0.0, 1.0);
         double r = taperedRadius(species_.levels[size_t(stem.level)].taper, stem.radius, stem.length, z);
@@ -85,7 +105,7 @@ private:
     void growStem(Stem stem, const glm::dmat3& frame, const glm::dvec3& position, int segment, double correction) {
         const auto id = int(skeleton_.stems.size());
         std::vector<Fork> forks;
-        if (!shapeWithinEnvelope(stem, id, frame, position, segment, correction, forks)) return;
+        if (!shape(stem, id, frame, position, segment, correction, forks)) return;
         skeleton_.stems.emplace_back();  // its place, before those of its forks and children
         const LevelParameters& p = species_.levels[size_t(stem.level)];
         for (const Fork& f : forks) {
@@ -100,57 +120,32 @@ private:
         skeleton_.stems[size_t(id)] = std::move(stem);
     }
 
-    /// Section 4.6: false if nothing of the stem fits into the pruning envelope.
-    bool shapeWithinEnvelope(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& position, int segment,
-                             double correction, std::vector<Fork>& forks) {
-        const double whole = stem.length, fork = splitError_[size_t(stem.level)];
-        const auto shapeAt = [&](double length) {
-            splitError_[size_t(stem.level)] = fork;
-            stem.length = length;
-            shape(stem, id, frame, position, segment, correction, forks);
-        };
-        shapeAt(whole);
-        if (species_.prune.ratio == 0 || stem.level == 0) return true;
-        double fit = whole;
-        while (const Ring* out = firstOutside(stem)) {
-            // Where it left is a good guess; a shorter stem also bends over a shorter way.
-            fit = std::min(out->offset, 0.9 * fit);
-            if (fit < kShortest * whole) {
-                fit = 0;
-                break;
+    /// Gives the stem its rings and, if it is pruned (section 4.6), its length; false if too little fits into the envelope.
+    bool shape(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& root, int segment, double correction, std::vector<Fork>& forks) {
+        steer(stem, id, frame, segment, correction, forks);
+        const double whole = stem.length;
+        if (species_.prune.ratio > 0 && stem.level > 0) {
+            double fit = whole;
+            while (const std::optional<double> exit = leavesEnvelope(stem, fit, root, segment)) {
+                fit = std::min(*exit, 0.9 * fit);  // where it left is a good guess; less never reaches as far
+                if (fit < kShortest * whole) {
+                    fit = 0;
+                    break;
+                }
             }
-            shapeAt(fit);
+            stem.length = whole + (fit - whole) * species_.prune.ratio;
+            if (stem.length < kShortest * whole) return false;
         }
-        const double length = whole + (fit - whole) * species_.prune.ratio;
-        if (length < kShortest * whole) return false;
-        if (length != stem.length) shapeAt(length);
+        addRings(stem, frame, root, segment);
         return true;
     }
 
-    const Ring* firstOutside(const Stem& stem) const {
-        for (const Ring& ring : stem.rings) {
-            const double ratio = (height_ - ring.centre.z) / (height_ * (1 - species_.baseSize));
-            const double widest = species_.prune.width * height_ * envelopeRatio(species_.prune, ratio);
-            if (ring.centre.x * ring.centre.x + ring.centre.y * ring.centre.y > widest * widest) return &ring;
-        }
-        return nullptr;
-    }
-
-    /// The rings of a stem and where it forks (sections 4.1, 4.2).
-    void shape(Stem& stem, int id, glm::dmat3 frame, glm::dvec3 position, int segment, double correction, std::vector<Fork>& forks) {
+    /// Sections 4.1, 4.2: the directions of the segments from `segment` on, and the forks. They do not depend on the length.
+    void steer(const Stem& stem, int id, glm::dmat3 frame, int segment, double correction, std::vector<Fork>& forks) {
         const LevelParameters& p = species_.levels[size_t(stem.level)];
-        stem.faceted = p.refine == 0;
-        stem.rings.clear();
-        stem.rings.reserve(size_t(p.curveRes - segment) + 3);
-        forks.clear();
+        course_.clear();
         base::Random curve(seed_, uint64_t(id), kCurve), split(seed_, uint64_t(id), kSplit);
-        const double step = stem.length / p.curveRes;
-        if (segment > 0) stem.start = segment * step;
-        const auto addRing = [&](const glm::dvec3& centre, double offset) {
-            stem.rings.push_back({centre, frame, surfaceRadius(stem, offset), offset});
-        };
-        addRing(position, segment * step);
-        const glm::dmat3 helixAxis = rotateX(frame, p.curveV);
+        const glm::dmat3 helixAxis = p.curveV < 0 ? rotateX(frame, p.curveV) : frame;
         const double helixTurn = p.curveV < 0 ? (curve.next() < 0.5f ? -kHelixTurn : kHelixTurn) : 0;
         for (int s = segment; s < p.curveRes; ++s) {
             if (p.curveV < 0) {
@@ -162,12 +157,46 @@ private:
                 if (p.curveV != 0) frame = rotateZ(frame, 30 * curve.next(-1, 1));
                 if (stem.level >= 2) frame = attract(frame, p.curveRes);
             }
-            // The flare lies within the first eighth of the trunk: two rings more carry it.
-            if (stem.level == 0 && s == 0)
-                for (const double share : {0.15, 0.5}) addRing(position + frame[2] * (share * step), share * step);
-            position += frame[2] * step;
-            addRing(position, (s + 1) * step);
+            course_.push_back(frame);
             if (s + 1 < p.curveRes) fork(stem, p, s, frame, correction, split, forks);
+        }
+    }
+
+    /// Where along itself a stem of `length` metres first is outside the pruning envelope.
+    std::optional<double> leavesEnvelope(const Stem& stem, double length, glm::dvec3 position, int segment) const {
+        const double step = length / species_.levels[size_t(stem.level)].curveRes;
+        const double most = species_.prune.width * height_;
+        const auto outside = [&](const glm::dvec3& p) {
+            const double distance2 = p.x * p.x + p.y * p.y;
+            const double ratio = (height_ - p.z) / (height_ * (1 - species_.baseSize)), least = most * envelopeAtLeast(species_.prune, ratio);
+            if (distance2 > most * most || distance2 < least * least) return distance2 > most * most;  // a power takes long
+            const double widest = most * envelopeRatio(species_.prune, ratio);
+            return distance2 > widest * widest;
+        };
+        if (outside(position)) return segment * step;
+        for (size_t s = 0; s < course_.size(); ++s) {
+            position += course_[s][2] * step;
+            if (outside(position)) return (segment + int(s) + 1) * step;
+        }
+        return std::nullopt;
+    }
+
+    void addRings(Stem& stem, const glm::dmat3& frame, glm::dvec3 position, int segment) const {
+        const LevelParameters& p = species_.levels[size_t(stem.level)];
+        stem.faceted = p.refine == 0;
+        stem.rings.reserve(course_.size() + 3);
+        const double step = stem.length / p.curveRes;
+        if (segment > 0) stem.start = segment * step;
+        const auto addRing = [&](const glm::dvec3& centre, const glm::dmat3& f, double offset) {
+            stem.rings.push_back({centre, f, surfaceRadius(stem, offset), offset});
+        };
+        addRing(position, frame, segment * step);
+        for (const glm::dmat3& f : course_) {
+            // The flare lies within the first eighth of the trunk: two rings more carry it.
+            if (stem.level == 0 && segment == 0)
+                for (const double share : {0.15, 0.5}) addRing(position + f[2] * (share * step), f, share * step);
+            position += f[2] * step;
+            addRing(position, f, ++segment * step);
         }
         orientRings(stem.rings);
     }
@@ -226,7 +255,7 @@ private:
         const glm::dvec3 axis = glm::cross(f[2], glm::dvec3(0, 0, 1));
         const double sine = glm::length(axis);
         if (species_.attractionUp == 0 || sine < 1e-6) return f;
-        const double angle = std::clamp(species_.attractionUp * declination(f) * sine / segments, -declination(f), declination(f));
+        const double decl = declination(f), angle = std::clamp(species_.attractionUp * decl * sine / segments, -decl, decl);
         const auto [s, c] = det::sinCos(angle * det::kDegree);
         return frameAlong(f[2] * c + glm::cross(axis / sine, f[2]) * s, f[0]);
     }
@@ -283,12 +312,18 @@ private:
         }
         const int count = int(most * (end - begin) / (parent.length - parent.crown) + 0.5);
         double turn = 360 * random.next();
+        // All buds first: their powers are long chains, which the processor overlaps as long as nothing else is between them.
+        std::vector<Bud> buds;
+        buds.reserve(size_t(std::max(0, count)));
         for (int k = 0; k < count; ++k) {
             const int whorls = (count + p.whorl - 1) / p.whorl;
             const double place = p.whorl > 1 ? (k / p.whorl + 0.5 + 0.2 * random.next(-1, 1)) / whorls
                                              : (k + 0.5 + 0.4 * random.next(-1, 1)) / count;
-            growChild(parent, parentId, p, begin + (end - begin) * (p.whorl > 1 ? wholeWhorl(place, k, p.whorl, whorls) : place), k, turn, random);
+            buds.push_back(bud(parent, p, begin + (end - begin) * (p.whorl > 1 ? wholeWhorl(place, k, p.whorl, whorls) : place), k, turn, random));
         }
+        for (Bud& b : buds) b.thickness = det::pow(b.length / parent.length, species_.ratioPower);
+        StemAxis axis(parent);
+        for (const Bud& b : buds) growChild(parent, parentId, p, b, axis.at(b.offset));
     }
 
     /// Boughs of one whorl spring from nearly one height; whorls crowd towards the top, where a year's growth is short.
@@ -297,34 +332,42 @@ private:
         return z * (1.25 - 0.25 * z);
     }
 
-    void growChild(const Stem& parent, int parentId, const LevelParameters& p, double offset, int k, double& turn, base::Random& random) {
-        const StemPoint root = parent.at(offset);
-        Stem child;
-        child.level = parent.level + 1;
-        child.parent = parentId;
-        child.parentOffset = offset;
+    double crownRatio(double fromTop) const {
+        return species_.shape == 8 ? envelopeRatio(species_.prune, fromTop) : shapeRatio(species_.shape, fromTop);
+    }
+
+    /// Child k at `offset`; `turn` is the direction of the one before.
+    Bud bud(const Stem& parent, const LevelParameters& p, double offset, int k, double& turn, base::Random& random) const {
         const double fromTop = (parent.length - offset) / std::max(1e-9, parent.length - parent.crown);
         const double relative = p.length + p.lengthV * random.next(-1, 1);
-        child.length = child.level == 1 ? parent.length * relative * shapeRatio(species_.shape, fromTop)
-                       : species_.colonisation ? relative * trunkLength_
-                                        : relative * (parent.length - 0.6 * offset);
-        child.radius = parent.radius * det::pow(child.length / parent.length, species_.ratioPower);
-        child.radius = std::max(kMinRadius, std::min(child.radius, 0.9 * root.radius));
-        child.leafShare = shapeRatio(4, fromTop);
-
-        double direction = 0;
+        Bud b{.offset = offset};
+        b.length = parent.level == 0 ? parent.length * relative * crownRatio(fromTop)
+                   : species_.colonisation ? relative * trunkLength_
+                                           : relative * (parent.length - 0.6 * offset);
+        b.leafShare = shapeRatio(4, fromTop);
         if (p.rotate < 0) {
-            direction = (k % 2 ? 90 : -90) + p.rotate + p.rotateV * random.next(-1, 1);
+            b.direction = (k % 2 ? 90 : -90) + p.rotate + p.rotateV * random.next(-1, 1);
         } else {
             if (p.whorl > 1 && k % p.whorl == 0) turn += 0.5 * p.rotate;
             turn += p.rotate;
-            direction = turn + p.rotateV * random.next(-1, 1);
+            b.direction = turn + p.rotateV * random.next(-1, 1);
         }
-        const double down = p.downAngleV >= 0 ? p.downAngle + p.downAngleV * random.next(-1, 1)
-                                              : p.downAngle - p.downAngleV * (2 * shapeRatio(0, fromTop) - 1);
+        b.down = p.downAngleV >= 0 ? p.downAngle + p.downAngleV * random.next(-1, 1)
+                                   : p.downAngle - p.downAngleV * (2 * shapeRatio(0, fromTop) - 1);
+        return b;
+    }
+
+    void growChild(const Stem& parent, int parentId, const LevelParameters& p, const Bud& b, const StemPoint& root) {
+        Stem child;
+        child.level = parent.level + 1;
+        child.parent = parentId;
+        child.parentOffset = b.offset;
+        child.length = b.length;
+        child.radius = std::max(kMinRadius, std::min(parent.radius * b.thickness, 0.9 * root.radius));
+        child.leafShare = b.leafShare;
         // Rows lie left and right of the parent, so they are turned from its upright plane.
         const glm::dmat3 base = p.rotate < 0 ? uprightFrame(root.frame) : root.frame;
-        growStem(std::move(child), rotateX(rotateZ(base, direction), std::clamp(down, 0.0, 170.0)), root.centre, 0, 0);
+        growStem(std::move(child), rotateX(rotateZ(base, b.direction), std::clamp(b.down, 0.0, 170.0)), root.centre, 0, 0);
     }
 
     /// The same z; x level with the ground where z is not vertical.
@@ -337,6 +380,7 @@ private:
     uint64_t seed_;
     double height_ = 0, trunkLength_ = 0;  // metres
     std::vector<double> splitError_;  // per level, carried over the whole tree
+    std::vector<glm::dmat3> course_;  // of the stem that is being shaped: the frame of each of its segments
     std::vector<CrownNode> nodes_;                 // of a colonised tree,
     std::vector<size_t> thickest_;                 // of each its thickest child, or 0,
     std::vector<std::vector<size_t>> others_;      // and the others

@@ -48,12 +48,18 @@ struct Stem {
 /// Stem::at for many offsets: what a segment's points have in common is kept until the next is asked for.
 class StemAxis {
 public:
+    /// A point whose frame is yet to be made orthonormal: frameAlong(normalize(along), across).
+    struct Raw {
+        glm::dvec3 centre, along, across;
+    };
     explicit StemAxis(const Stem& stem);
     StemPoint at(double offset);
+    Raw raw(double offset);
     glm::dvec3 centre(double offset);
 
 private:
     double enter(double offset);  ///< makes its segment the current one; returns the share along it
+    glm::dvec3 spline(double t) const;
 
     const Stem* stem_;
     size_t segment_;

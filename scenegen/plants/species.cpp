@@ -4,8 +4,12 @@
 #include "base/error.h"
 #include "base/file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <utility>
 
 namespace dapple::scenegen {
 namespace {
@@ -43,9 +47,17 @@ LevelParameters readLevel(base::ConfigTable& t) {
     return p;
 }
 
+LeafShape readShape(base::ConfigTable& t) {
+    const std::string name = t.text("shape", kLeafShapes[0]);
+    const auto found = std::find(kLeafShapes.begin(), kLeafShapes.end(), name);
+    if (found == kLeafShapes.end()) t.fail("shape", fmt::format("'{}' is none of {}", name, fmt::join(kLeafShapes, ", ")));
+    return LeafShape(found - kLeafShapes.begin());
+}
+
 LeafParameters readLeaves(base::ConfigTable& t) {
     LeafParameters p;
-    p.count = t.number("count", p.count, 0, 10'000);
+    p.count = t.number("count", p.count, -10'000, 10'000);
+    p.shape = readShape(t);
     p.scale = t.number("scale", p.scale, 0.001, 10);
     p.scaleX = t.number("scaleX", p.scaleX, 0.01, 10);
     p.downAngle = t.number("downAngle", p.downAngle, 0, 180);
@@ -107,13 +119,19 @@ Species readSpecies(base::ConfigTable& t) {
     Species s;
     s.name = t.text("name");
     s.triangles = readBudgets(t);
-    s.shape = int(t.integer("shape", 0, 0, 7));
+    s.shape = int(t.integer("shape", 0, 0, 8));
     s.baseSize = t.number("baseSize", s.baseSize, 0, 0.95);
     s.scale = t.number("scale", s.scale, 0.1, 150);
     s.scaleV = t.number("scaleV", 0, 0, 100);
     if (s.scaleV >= s.scale) t.fail("scaleV", "must be below scale: a tree would have no height");
+    s.zScale = t.number("zScale", 1, 0.1, 10);
+    s.zScaleV = t.number("zScaleV", 0, 0, 10);
+    if (s.zScaleV >= s.zScale) t.fail("zScaleV", "must be below zScale: a tree would have no height");
     s.ratio = t.number("ratio", s.ratio, 0.0005, 0.5);
     s.ratioPower = t.number("ratioPower", s.ratioPower, 0.1, 5);
+    s.radiusScale = t.number("radiusScale", 1, 0.05, 20);
+    s.radiusScaleV = t.number("radiusScaleV", 0, 0, 20);
+    if (s.radiusScaleV >= s.radiusScale) t.fail("radiusScaleV", "must be below radiusScale: a trunk would have no radius");
     s.flare = t.number("flare", 0, 0, 10);
     s.lobes = int(t.integer("lobes", 0, 0, 20));
     s.lobeDepth = t.number("lobeDepth", 0, 0, 0.9);
@@ -161,11 +179,26 @@ double shapeRatio(int shape, double r) {
     }
 }
 
+namespace {
+
+/// Of the envelope at a height: the base and the exponent of its power.
+std::pair<double, double> envelopePower(const PruneParameters& p, double r) {
+    const double top = 1 - p.widthPeak;  // share of the crown above its widest place
+    return r < top ? std::pair(r / top, p.powerHigh) : std::pair((1 - r) / (1 - top), p.powerLow);
+}
+
+}  // namespace
+
 double envelopeRatio(const PruneParameters& p, double r) {
     if (r < 0 || r > 1) return 0;
-    const double top = 1 - p.widthPeak;  // share of the crown above its widest place
-    // det::pow(0, y) is 0 for every y, so a power of 0 still closes the envelope.
-    return r < top ? base::det::pow(r / top, p.powerHigh) : base::det::pow((1 - r) / (1 - top), p.powerLow);
+    const auto [base, power] = envelopePower(p, r);
+    return base::det::pow(base, power);  // 0 for a base of 0, so that a power of 0 still closes the envelope
+}
+
+double envelopeAtLeast(const PruneParameters& p, double r) {
+    if (r < 0 || r > 1) return 0;
+    const auto [base, power] = envelopePower(p, r);
+    return power <= 0.5 ? 0.999999 * std::sqrt(base) : power <= 1 ? 0.999999 * base : 0;
 }
 
 }  // namespace dapple::scenegen

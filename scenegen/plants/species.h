@@ -29,8 +29,13 @@ struct LevelParameters {
     int refine = 0;                        ///< levels of Catmull-Clark subdivision
 };
 
+/// The outlines that the paper names in section 4.9, and the diamond: two triangles, for leaves by the ten thousand.
+enum class LeafShape { diamond, oval, triangle, oak3, maple3, maple5, three };
+inline constexpr std::array kLeafShapes = {"diamond", "oval", "triangle", "oak3", "maple3", "maple5", "three"};
+
 struct LeafParameters {
-    double count = 20;              ///< most leaves of one twig
+    double count = 20;              ///< most leaves of one twig; < 0: as many in a fan at its end
+    LeafShape shape = LeafShape::diamond;  ///< at the finest level of detail, of polygons and solids
     double scale = 0.15;            ///< length, metres
     double scaleX = 0.6;            ///< width / length
     double downAngle = 50, downAngleV = 10, rotate = 140, rotateV = 20;  ///< degrees, against the twig
@@ -68,9 +73,11 @@ inline constexpr int kLods = 3;
 struct Species {
     std::string name;
     std::array<size_t, kLods> triangles{};  ///< budgets of the levels of detail, finest first
-    int shape = 0;  ///< crown: 0 conical … 7 tend flame
+    int shape = 0;  ///< crown: 0 conical … 7 tend flame, 8 the pruning envelope
     double baseSize = 0.2, scale = 10, scaleV = 0;  ///< metres
+    double zScale = 1, zScaleV = 0;  ///< stretches the grown tree's height alone
     double ratio = 0.02, ratioPower = 1.2, flare = 0;
+    double radiusScale = 1, radiusScaleV = 0;  ///< of the trunk only: the paper's 0Scale and 0ScaleV
     int lobes = 0, baseSplits = 0;
     double lobeDepth = 0, attractionUp = 0;
     double barkShare = 0.45;  ///< largest share of a triangle budget that stems may use
@@ -97,5 +104,8 @@ double shapeRatio(int shape, double ratio);
 
 /// The same for the pruning envelope (shape 8), in shares of its width; 0 outside 0 ≤ ratio ≤ 1.
 double envelopeRatio(const PruneParameters& prune, double ratio);
+
+/// A lower bound of envelopeRatio that takes no power.
+double envelopeAtLeast(const PruneParameters& prune, double ratio);
 
 }  // namespace dapple::scenegen

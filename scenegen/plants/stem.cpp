@@ -6,9 +6,9 @@ namespace dapple::scenegen {
 
 void orientRings(std::vector<Ring>& r) {
     const size_t last = r.size() - 1;
-    glm::dvec3 across = r[0].frame[0];
+    glm::dvec3 across = r[0].frame[0], along(0);
     for (size_t i = 0; i <= last; ++i) {
-        const glm::dvec3 along = glm::normalize(r[std::min(i + 1, last)].centre - r[i == 0 ? 0 : i - 1].centre);
+        if (i == 0 || last > 1) along = glm::normalize(r[std::min(i + 1, last)].centre - r[i == 0 ? 0 : i - 1].centre);
         if (std::abs(glm::dot(across, along)) > 0.99) across = r[i].frame[1];
         r[i].frame = frameAlong(along, across);
         across = r[i].frame[0];
@@ -44,33 +44,43 @@ double StemAxis::enter(double offset) {
     return std::clamp((offset - rings[i].offset) / (rings[i + 1].offset - rings[i].offset), 0.0, 1.0);
 }
 
-glm::dvec3 StemAxis::centre(double offset) {
-    const double t = enter(offset), s = 1 - t;
+glm::dvec3 StemAxis::spline(double t) const {
+    const double s = 1 - t;
     double w0 = s * s * s / 6, w1 = 2.0 / 3 - t * t * (1 - 0.5 * t), w2 = 2.0 / 3 - s * s * (1 - 0.5 * s), w3 = t * t * t / 6;
     if (stem_->faceted) w0 = s / 6, w1 = (4 * s + t) / 6, w2 = (s + 4 * t) / 6, w3 = t / 6;
     return before_ * w0 + a_ * w1 + b_ * w2 + after_ * w3;
 }
 
-StemPoint StemAxis::at(double offset) {
-    const double t = enter(offset), s = 1 - t;
+glm::dvec3 StemAxis::centre(double offset) { return spline(enter(offset)); }
+
+StemAxis::Raw StemAxis::raw(double offset) {
+    const double t = enter(offset);
     const Ring &ra = stem_->rings[segment_], &rb = stem_->rings[segment_ + 1];
-    const glm::dvec3 z = glm::normalize(ra.frame[2] * s + rb.frame[2] * t);
-    return {centre(offset), frameAlong(z, ra.frame[0]), ra.radius * s + rb.radius * t};
+    return {spline(t), ra.frame[2] * (1 - t) + rb.frame[2] * t, ra.frame[0]};
+}
+
+StemPoint StemAxis::at(double offset) {
+    const double t = enter(offset);
+    const Ring &ra = stem_->rings[segment_], &rb = stem_->rings[segment_ + 1];
+    const glm::dvec3 z = glm::normalize(ra.frame[2] * (1 - t) + rb.frame[2] * t);
+    return {spline(t), frameAlong(z, ra.frame[0]), ra.radius * (1 - t) + rb.radius * t};
 }
 
 void thinRings(Skeleton& skeleton) {
     std::vector<glm::dvec3> moved(skeleton.stems.size(), glm::dvec3(0));
-    const Skeleton before = skeleton;
+    std::vector<Stem> before(skeleton.stems.size());
     for (size_t i = 0; i < skeleton.stems.size(); ++i) {
         Stem& stem = skeleton.stems[i];
         if (stem.parent >= 0) {
             const auto parent = size_t(stem.parent);
-            moved[i] = skeleton.stems[parent].at(stem.parentOffset).centre - before.stems[parent].at(stem.parentOffset).centre;
+            moved[i] = StemAxis(skeleton.stems[parent]).centre(stem.parentOffset) - StemAxis(before[parent]).centre(stem.parentOffset);
         }
-        std::vector<Ring> kept;
-        for (size_t r = 0; r < stem.rings.size(); ++r)
-            if (r % 2 == 0 || r + 1 == stem.rings.size()) kept.push_back(stem.rings[r]);
-        stem.rings = std::move(kept);
+        std::vector<Ring> all = std::exchange(stem.rings, {});
+        before[i] = stem;
+        stem.rings.reserve(all.size() / 2 + 1);
+        for (size_t r = 0; r < all.size(); ++r)
+            if (r % 2 == 0 || r + 1 == all.size()) stem.rings.push_back(all[r]);
+        before[i].rings = std::move(all);
         for (Ring& ring : stem.rings) ring.centre += moved[i];
         orientRings(stem.rings);
     }

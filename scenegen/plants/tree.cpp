@@ -23,7 +23,8 @@ Tree growTree(const Species& species, const TreeOptions& options) {
         if (leaves == 0 || plan.triangles + 4 > options.triangles)
             throw base::UsageError(fmt::format("species {}: {} triangles are too few for a tree with trunk, twigs and leaves",
                                                species.name, options.triangles));
-        leaves = (options.triangles - plan.triangles) / 2;
+        // Solid leaves are those that the budget gives as polygons.
+        leaves = (options.triangles - plan.triangles) / leafTriangles(leafShape(species, options.lod), options.leaves == LeafMode::card ? LeafMode::card : LeafMode::polygon);
     }
     return {buildBark(species, skeleton, plan),
             buildLeaves(species, sites, options.leaves, leaves, options.lod, options.seed)};

@@ -26,7 +26,7 @@ struct Tree {
     Mesh leaves;  ///< open, but for LeafMode::solid
 };
 
-/// Grows one individual. With a budget the tree has exactly that many triangles, less one if it is odd.
+/// Grows one individual. With a budget the tree has that many triangles, less what is too little for one leaf more.
 /// Throws UsageError when the budget is below what trunk and a few leaves need.
 Tree growTree(const Species& species, const TreeOptions& options);
 

@@ -15,14 +15,27 @@ struct SinCos {
     double sin, cos;
 };
 
-/// Cody-Waite reduction to [-π/4, π/4], then the Taylor polynomials.
+/// x less k quarter turns, by Cody and Waite. Real: double, or a vector of them.
+template <class Real>
+inline Real lessQuadrants(Real x, Real k) {
+    return (x - k * 1.57079632673412561417) - k * 6.07710050650619224932e-11;
+}
+
+/// Taylor polynomials for |r| ≤ π/4.
+template <class Real>
+inline void sinCosNearZero(Real r, Real& s, Real& c) {
+    const Real q = r * r;
+    s = r * (1.0 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q / 6227020800.0))))));
+    c = 1.0 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q / 87178291200.0))))));
+}
+
 inline SinCos sinCos(double x) {
-    const double k = std::floor(x * (2.0 / kPi) + 0.5);
-    const double r = (x - k * 1.57079632673412561417) - k * 6.07710050650619224932e-11, q = r * r;
-    const double s = r * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q / 6227020800.0))))));
-    const double c = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q / 87178291200.0))))));
+    // Floor by conversion: without SSE4.1, std::floor is a call.
+    const double y = x * (2.0 / kPi) + 0.5;
+    const long long whole = static_cast<long long>(y), quadrant = whole - (static_cast<double>(whole) > y);
+    double s, c;
+    sinCosNearZero(lessQuadrants(x, static_cast<double>(quadrant)), s, c);
     // No branches: the quadrant of a random angle cannot be predicted. Products with ±1 are exact.
-    const long long quadrant = static_cast<long long>(k);
     const double odd[2] = {s, c}, even[2] = {c, s}, sign[2] = {1, -1};
     return {sign[(quadrant >> 1) & 1] * odd[quadrant & 1], sign[((quadrant + 1) >> 1) & 1] * even[quadrant & 1]};
 }
@@ -45,8 +58,9 @@ inline double log2(double x) {
         --exponent;
     }
     const double s = (m - 1) / (m + 1), q = s * s;
+    constexpr double kInverse[] = {1.0 / 19, 1.0 / 17, 1.0 / 15, 1.0 / 13, 1.0 / 11, 1.0 / 9, 1.0 / 7, 1.0 / 5, 1.0 / 3, 1.0};
     double sum = 0;
-    for (int i = 19; i >= 1; i -= 2) sum = sum * q + 1.0 / i;
+    for (const double inverse : kInverse) sum = sum * q + inverse;
     return exponent + 2 * s * sum * 1.44269504088896340736;
 }
 

@@ -250,7 +250,7 @@ TEST(VertexOrder, keepsTheTrianglesAndSavesCacheMisses) {
 }
 
 TEST(Card, hasLeavesAndGaps) {
-    for (const char* name : {"oak", "fir"}) {
+    for (const char* name : {"oak", "fir", "grass"}) {
         const dapple::base::Image8 card = drawCard(loadSpecies(name), 128);
         size_t opaque = 0;
         for (size_t i = 3; i < card.texels.size(); i += 4) opaque += card.texels[i] >= 128;
