@@ -1,6 +1,9 @@
 #include "scenegen/lod/connectivity.h"
 
+#include "base/hash.h"
 #include "scenegen/lod/half_edges.h"
+
+#include <bit>
 
 namespace dapple::scenegen {
 namespace {
@@ -16,6 +19,28 @@ size_t degenerateTriangles(const Mesh& mesh) {
     }
     return count;
 }
+
+/// Set of up to `count` numbers below ~0, by open addressing: half full at most.
+class NumberSet {
+public:
+    explicit NumberSet(size_t count) : slots_(std::bit_ceil(2 * count + 1), kNone) {}
+
+    bool contains(uint64_t number) const { return slots_[slot(number)] == number; }
+    /// False if it was in the set already.
+    bool insert(uint64_t number) {
+        uint64_t& at = slots_[slot(number)];
+        return std::exchange(at, number) != number;
+    }
+
+private:
+    static constexpr uint64_t kNone = ~uint64_t{0};
+    size_t slot(uint64_t number) const {
+        size_t i = base::mix64(number) & (slots_.size() - 1);
+        while (slots_[i] != kNone && slots_[i] != number) i = (i + 1) & (slots_.size() - 1);
+        return i;
+    }
+    std::vector<uint64_t> slots_;
+};
 
 }  // namespace
 
@@ -58,9 +83,21 @@ Connectivity connectivity(const Mesh& mesh) {
     return c;
 }
 
+bool isClosed(const Mesh& mesh) {
+    const std::vector<uint32_t> welded = weldedVertices(mesh.positions);
+    NumberSet edges(mesh.indices.size());
+    size_t pairs = 0;
+    for (size_t i = 0; i < mesh.indices.size(); ++i) {
+        const uint64_t a = welded[mesh.indices[i]], b = welded[mesh.indices[i % 3 == 2 ? i - 2 : i + 1]];
+        if (a == b || !edges.insert(a << 32 | b)) return false;
+        pairs += edges.contains(b << 32 | a);
+    }
+    return !mesh.indices.empty() && 2 * pairs == mesh.indices.size();
+}
+
 bool isClosed(const Prototype& prototype) {
     for (const Mesh& mesh : prototype.meshes)
-        if (!connectivity(mesh).closed()) return false;
+        if (!isClosed(mesh) || degenerateTriangles(mesh) > 0) return false;
     return !prototype.meshes.empty();
 }
 
