@@ -83,7 +83,8 @@ private:
         for (int j = 0; j < 5; ++j)
             for (int i = 0; i < 5; ++i) {
                 const glm::dvec2 lo = glm::dvec2(i, j) * 0.8 - 2.0 + 0.006;
-                addBox(flags[size_t(3 * random.next())], {lo, -0.2}, {lo + 0.788, 0.004 * random.next()});
+                const double shade = random.next(), height = 0.004 * random.next();
+                addBox(flags[size_t(3 * shade)], {lo, -0.2}, {lo + 0.788, height});
             }
         for (size_t i = 0; i < 3; ++i) flags[i].material = shades[i];
         const uint32_t prototype = addPrototype(scene_, "flags", std::move(flags), false);

@@ -20,28 +20,6 @@ size_t degenerateTriangles(const Mesh& mesh) {
     return count;
 }
 
-/// Set of up to `count` numbers below ~0, by open addressing: half full at most.
-class NumberSet {
-public:
-    explicit NumberSet(size_t count) : slots_(std::bit_ceil(2 * count + 1), kNone) {}
-
-    bool contains(uint64_t number) const { return slots_[slot(number)] == number; }
-    /// False if it was in the set already.
-    bool insert(uint64_t number) {
-        uint64_t& at = slots_[slot(number)];
-        return std::exchange(at, number) != number;
-    }
-
-private:
-    static constexpr uint64_t kNone = ~uint64_t{0};
-    size_t slot(uint64_t number) const {
-        size_t i = base::mix64(number) & (slots_.size() - 1);
-        while (slots_[i] != kNone && slots_[i] != number) i = (i + 1) & (slots_.size() - 1);
-        return i;
-    }
-    std::vector<uint64_t> slots_;
-};
-
 }  // namespace
 
 Connectivity connectivity(const Mesh& mesh) {
@@ -84,15 +62,28 @@ Connectivity connectivity(const Mesh& mesh) {
 }
 
 bool isClosed(const Mesh& mesh) {
+    if (mesh.indices.empty()) return false;
     const std::vector<uint32_t> welded = weldedVertices(mesh.positions);
-    NumberSet edges(mesh.indices.size());
-    size_t pairs = 0;
+    // Open addressing over edges, each as its lower and higher vertex; the two topmost bits of these say in which
+    // direction a triangle has run through it. A closed mesh has an edge for two indices: half full at most.
+    constexpr uint64_t kUpwards = uint64_t{1} << 63, kDownwards = uint64_t{1} << 31, kBoth = kUpwards | kDownwards;
+    std::vector<uint64_t> edges(std::bit_ceil(mesh.indices.size() + 1));
+    size_t unpaired = 0, count = 0;
     for (size_t i = 0; i < mesh.indices.size(); ++i) {
         const uint64_t a = welded[mesh.indices[i]], b = welded[mesh.indices[i % 3 == 2 ? i - 2 : i + 1]];
-        if (a == b || !edges.insert(a << 32 | b)) return false;
-        pairs += edges.contains(b << 32 | a);
+        if (a == b) return false;
+        const uint64_t edge = std::min(a, b) << 32 | std::max(a, b), direction = a < b ? kUpwards : kDownwards;
+        size_t slot = base::mix64(edge) & (edges.size() - 1);
+        while (edges[slot] != 0 && (edges[slot] & ~kBoth) != edge) slot = (slot + 1) & (edges.size() - 1);
+        if (edges[slot] == 0) {
+            if (++count > mesh.indices.size() / 2) return false;
+            edges[slot] = edge | direction, ++unpaired;
+        } else {
+            if (edges[slot] & direction) return false;
+            edges[slot] |= direction, --unpaired;
+        }
     }
-    return !mesh.indices.empty() && 2 * pairs == mesh.indices.size();
+    return unpaired == 0;
 }
 
 bool isClosed(const Prototype& prototype) {
