@@ -254,7 +254,7 @@ private:
         const auto add = [&](const char* name, const glm::dvec3& eye, const glm::dvec3& target) {
             scene_.views.push_back({.name = name, .eye = eye, .forward = glm::normalize(target - eye), .fovY = court_.fovY, .near = 0.1, .far = std::max(250.0, 6 * hx_)});
         };
-        add("fly0", {-hx_ + 1.8, -0.14 * hy_, 1.65}, {0.4 * hx_, 0.12 * hy_, 3.1});
+        add("fly0", {-hx_ + std::min(6.0, hx_ - 3.1), court_.across % 2 ? 0 : -0.5 * kArcadeBay, 1.65}, {0.4 * hx_, 0.14 * hy_, 3.1});
         add("fly1", {-hx_ - 0.5, -y, 1.8}, {hx_, -y + 0.35, 2.1});
         add("fly2", {hx_ - 0.45 * step, -hy_ - 3.2, 1.75}, {hx_ - 1.3 * step, hy_, 3.6});
         add("fly3", {-hx_ + 0.55 * step, y - 0.3, kGalleryFloor + 1.6}, {hx_, y - 1.1, kGalleryFloor + 1.2});

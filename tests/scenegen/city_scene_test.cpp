@@ -152,6 +152,8 @@ TEST_P(EveryCity, carsOfALaneNeverMeet) {
                     }
         }
         EXPECT_GT(shared, 5u);
+        const Scene later = loadScene(GetParam(), {"scale=0.05", "city.traffic=60", std::string("seed=") + seed, "time=7.5"});
+        for (const Motion& m : scene.motions) ASSERT_EQ(later.instances[m.instance].translation, m.at(7.5));
     }
 }
 
