@@ -34,7 +34,10 @@ void fetchRealScenes(const std::vector<std::string>& scenes) {
         try {
             scenegen::realScenePath(scene);
         } catch (const base::UsageError&) {  // not in the cache yet; the script says how much it downloads
-            runScript({"/usr/bin/python3", (base::homeFolder() / "scenegen/import/fetch_real").string(), scene}, "fetch the scene " + scene);
+            const scenegen::RealSceneScript script = scenegen::realSceneScript(scene);
+            std::vector<std::string> args{"/usr/bin/python3", (base::homeFolder() / script.file).string()};
+            if (*script.argument) args.emplace_back(script.argument);
+            runScript(args, "fetch the scene " + scene);
         }
     }
 }

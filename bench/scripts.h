@@ -9,8 +9,7 @@ namespace dapple::bench {
 /// no run; Error with the script's exit code if it fails, which has then said why.
 void plotRun(const std::string& folder);
 
-/// Downloads those of `scenes` that are real scenes and not in the cache, with scenegen/import/fetch_real. Throws as
-/// plotRun().
+/// Downloads those of `scenes` that are real scenes and not in the cache, each with its script. Throws as plotRun().
 void fetchRealScenes(const std::vector<std::string>& scenes);
 
 /// Writes the relocatable archive with bench/bundle.sh. Throws as plotRun().

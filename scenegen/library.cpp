@@ -32,23 +32,24 @@ std::vector<SceneEntry> listScenes() {
 Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& settings) {
     const fs::path given(nameOrFile), recipe = base::homeFolder() / "scenegen/scenes" / (nameOrFile + ".toml");
     const bool named = !given.empty() && !given.has_extension() && !given.has_parent_path();
+    const auto read = [&](const fs::path& file) {
+        if (file.extension() == ".toml") return readRecipe(file, settings);
+        refuseSettings(nameOrFile, settings);
+        return importFile(file);
+    };
     Scene scene;
     if (named && fs::exists(recipe)) {
         scene = readRecipe(recipe, settings);
         scene.source = nameOrFile;
     } else if (isRealScene(nameOrFile)) {
-        refuseSettings(nameOrFile, settings);
-        scene = importFile(realScenePath(nameOrFile));
+        scene = read(realScenePath(nameOrFile));
     } else if (named && !fs::exists(given)) {
         std::vector<std::string> known;
         for (const auto& entries : {listScenes(), listRealScenes()})
             for (const SceneEntry& entry : entries) known.push_back(entry.name);
         throw base::UsageError(base::unknownName("scene", nameOrFile, known));
-    } else if (given.extension() == ".toml") {
-        scene = readRecipe(given, settings);
     } else {
-        refuseSettings(nameOrFile, settings);
-        scene = importFile(given);
+        scene = read(given);
     }
     validate(scene);
     return scene;

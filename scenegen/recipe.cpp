@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "scenegen/city/city.h"
+#include "scenegen/city/courtyard.h"
 #include "scenegen/lod/connectivity.h"
 #include "scenegen/lod/decimate.h"
 #include "scenegen/lod/grid.h"
@@ -67,6 +68,7 @@ public:
         uint64_t index = 0;
         for (base::ConfigTable& t : t_.tables("primitive")) addPrimitive(scene_, t, base::mix64(seed_ + index++));
         if (std::optional<base::ConfigTable> t = t_.table("city")) city_ = readCity(*t, area_);
+        if (std::optional<base::ConfigTable> t = t_.table("courtyard")) courtyard_ = readCourtyard(*t, area_);
         readPath();
         readWind();
         readSpecies();
@@ -76,10 +78,11 @@ public:
         addWalkViews();
         if (terrain_) addTerrain(scene_, *terrain_);
         if (city_) addCity(scene_, *city_, seed_);
+        if (courtyard_) addCourtyard(scene_, *courtyard_, seed_);
         scene_.moveTo(time_);
         for (Prototype& prototype : scene_.prototypes)
             for (Mesh& mesh : prototype.meshes) snapToGrid(mesh);
-        if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]], a [path] or a [city]");
+        if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]], a [path], a [city] or a [courtyard]");
         return std::move(scene_);
     }
 
@@ -341,6 +344,7 @@ private:
     std::vector<glm::dvec3> clearings_;  ///< centre x, y, radius
     Crowding crowding_ = Crowding::shrink;
     std::optional<City> city_;
+    std::optional<Courtyard> courtyard_;
     std::optional<Path> way_;
     PathEntry path_;
     std::optional<Wind> wind_;

@@ -31,12 +31,13 @@ namespace dapple::scenegen {
 ///                   the trees of one individual stand alike, so that all bend the same way
 ///     [[primitive]] kind = "box" | "sphere" | "slab" | "slivers" (triangles without area), position (centre), size or
 ///                   radius (sphere), albedo; copies, scatter (m to each side), turned (random yaw)
-///     [city]        style = "vienna" | "manhattan", trees (triangles each), views, fovY; or
-///                   footprints = "FILE.geojson", projected, views, fovY
+///     [city]        style = "vienna" | "manhattan", trees (triangles each), traffic (moving cars per km of lane), night
+///                   (lamps shine, the sun has set), views, fovY; or footprints = "FILE.geojson", projected, views, fovY
+///     [courtyard]   bays (along the court, times scale), across, plants (triangles each), fovY
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far
 ///
-/// Throws UsageError with file, line and key for anything else. `settings`: see base::ConfigTable::set.
+/// Files count from the recipe's own folder. Throws UsageError with file, line and key for anything else. `settings`: see base::ConfigTable::set.
 Scene readRecipe(const std::filesystem::path& path, const std::vector<std::string>& settings);
 
 /// The recipe's first key. Throws UsageError if it is missing.

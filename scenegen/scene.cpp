@@ -34,9 +34,10 @@ void validateMesh(const Scene& scene, const Prototype& prototype, const Mesh& me
     if (mesh.indices.size() % 3 != 0) fail("a mesh has a number of indices that is not a multiple of 3");
     for (const uint32_t i : mesh.indices)
         if (i >= mesh.positions.size()) fail("an index is beyond the last vertex");
-    for (const glm::vec3& p : mesh.positions) requireFinite(base::allFinite(p), scene.name, "a vertex of '" + prototype.name + "'");
-    for (const glm::vec3& n : mesh.normals) requireFinite(base::allFinite(n), scene.name, "a normal of '" + prototype.name + "'");
-    for (const glm::vec2& t : mesh.uvs) requireFinite(base::allFinite(t), scene.name, "a texture coordinate of '" + prototype.name + "'");
+    const auto finite = [](const auto& values) { return std::all_of(values.begin(), values.end(), [](const auto& v) { return base::allFinite(v); }); };
+    requireFinite(finite(mesh.positions), scene.name, "a vertex of '" + prototype.name + "'");
+    requireFinite(finite(mesh.normals), scene.name, "a normal of '" + prototype.name + "'");
+    requireFinite(finite(mesh.uvs), scene.name, "a texture coordinate of '" + prototype.name + "'");
 }
 
 }  // namespace

@@ -49,11 +49,12 @@ public:
 
     void build() {
         addGround();
-        const FurnitureOptions furniture{seed_, city_.treeTriangles, 0.7};
+        const FurnitureOptions furniture{.seed = seed_, .treeTriangles = city_.treeTriangles, .traffic = city_.traffic, .night = city_.night};
         if (city_.style == Style::vienna) buildVienna();
         else buildManhattan();
         addFurniture(scene_, plan_, std::move(yardTrees_), furniture);
         addViews(scene_, plan_, city_.views, city_.fovY);
+        if (city_.night) scene_.sun.elevation = std::min(scene_.sun.elevation, -12.0);
     }
 
 private:
@@ -225,8 +226,8 @@ private:
 
 City readCity(base::ConfigTable& table, double scale) {
     City city;
-    city.footprints = table.text("footprints", "");
-    if (!city.footprints.empty()) {
+    if (table.has("footprints")) {
+        city.footprints = table.path("footprints");
         city.projected = table.boolean("projected", false);
         city.views = int(table.integer("views", 6, 1, 60));
         city.fovY = table.number("fovY", 60, 1, 170);
@@ -239,6 +240,8 @@ City readCity(base::ConfigTable& table, double scale) {
     if (scale < 1.0 / 1024 || scale > 64) table.fail("style", fmt::format("a city is grown at a scale from 1/1024 to 64, not {}", scale));
     city.scale = scale;
     city.treeTriangles = size_t(table.integer("trees", 2000, 0, 1'000'000));
+    city.traffic = table.number("traffic", 0, 0, 95);
+    city.night = table.boolean("night", false);
     city.views = int(table.integer("views", 6, 1, 1000));
     city.fovY = table.number("fovY", 60, 1, 170);
     table.finish();
@@ -247,7 +250,7 @@ City readCity(base::ConfigTable& table, double scale) {
 
 void addCity(Scene& scene, const City& city, uint64_t seed) {
     if (city.footprints.empty()) return CityBuilder(scene, city, seed).build();
-    addFootprints(scene, parseFootprints(base::readFile(city.footprints), city.footprints, city.projected), city.views, city.fovY, seed);
+    addFootprints(scene, parseFootprints(base::readFile(city.footprints), city.footprints.string(), city.projected), city.views, city.fovY, seed);
 }
 
 }  // namespace dapple::scenegen

@@ -4,7 +4,7 @@
 #include "scenegen/city/plan.h"
 #include "scenegen/scene.h"
 
-#include <string>
+#include <filesystem>
 
 namespace dapple::scenegen {
 
@@ -13,15 +13,16 @@ struct City {
     city::Style style = city::Style::vienna;
     double scale = 1;             ///< of the area: 1 is the size that the style is known for
     size_t treeTriangles = 2000;  ///< per street tree; 0: no trees
+    double traffic = 0;           ///< moving cars per kilometre of lane
+    bool night = false;           ///< street lamps shine, and the sun stands at least 12° below the horizon
     int views = 6;                ///< walk0 …: on streets, 1.7 m above them
     double fovY = 60;             ///< degrees
-    std::string footprints;       ///< GeoJSON file of real buildings in place of a style; empty: none
+    std::filesystem::path footprints;  ///< GeoJSON file of real buildings in place of a style; empty: none
     bool projected = false;       ///< its coordinates are metres, not degrees
 };
 
-/// Reads the table: style = "vienna" | "manhattan", trees (triangles each), views, fovY; or
-/// footprints (a path, from the working folder on), projected, views, fovY. `scale`:
-/// the recipe's, 1/1024 … 64. Throws UsageError with file, line and key.
+/// Reads the table: style = "vienna" | "manhattan", trees (triangles each), traffic, night, views, fovY; or footprints
+/// (see ConfigTable::path), projected, views, fovY. `scale`: the recipe's, 1/1024 … 64. Throws UsageError with file, line and key.
 City readCity(base::ConfigTable& table, double scale);
 
 /// Adds ground, streets, buildings and furniture about the scene's origin, and the views: walk0 … and above.

@@ -5,6 +5,7 @@
 #include "scenegen/city/assembly.h"
 #include "scenegen/city/house.h"
 #include "scenegen/city/solid.h"
+#include "scenegen/city/traffic.h"
 #include "scenegen/plants/tree.h"
 
 #include <fmt/format.h>
@@ -86,7 +87,7 @@ public:
                 base::Random random(options_.seed, b * 64 + i, kCarPurpose);
                 parkCars(kerb, length, random);
                 // The lamp's arm reaches out over the roadway.
-                for (double x = 6; x < length - 5; x += 27) addInstance(scene_, lamp_, {at(kerb, x, 0.45), kPavement}, kerb.direction);
+                for (double x = 6; x < length - 5; x += 27) addLamp({at(kerb, x, 0.45), kPavement}, kerb);
                 if (length > 12) addInstance(scene_, sign_, {at(kerb, length - 3.4, 0.5), kPavement}, glm::dvec2(kerb.left()) * -1.0);
                 if (street.width > 12)
                     for (double x = 10.5; x < length - 8; x += 9) {
@@ -96,11 +97,24 @@ public:
             }
         }
         markLanes();
+        addTraffic(scene_, plan_, cars_, options_.traffic, options_.seed);
         addTrees(trees);
     }
 
 private:
     static glm::dvec2 at(const Line& line, double along, double left) { return line.point + line.direction * along + line.left() * left; }
+
+    /// A sodium lamp's light falls from just under the glass, within a wide cone: 0.4 on the pavement below it, a sixth of
+    /// what the noon sun gives.
+    void addLamp(const glm::dvec3& foot, const Line& kerb) {
+        addInstance(scene_, lamp_, foot, kerb.direction);
+        if (!options_.night) return;
+        constexpr double kHeight = 6.36, kReach = 1.55;
+        constexpr glm::dvec3 kColour(1.25, 0.96, 0.62);  // luminance 1
+        const float degree = float(base::det::kDegree);
+        scene_.lights.push_back({.position = glm::vec3(foot + glm::dvec3(-kReach * kerb.left(), kHeight)), .intensity = glm::vec3(0.4 * kHeight * kHeight * kColour),
+                                 .range = 25, .innerAngle = 50 * degree, .outerAngle = 78 * degree});
+    }
 
     /// Traffic keeps to the right: cars head against the kerb's direction, which has its block to the left.
     void parkCars(const Line& kerb, double length, base::Random& random) {

@@ -5,11 +5,13 @@
 
 namespace dapple::scenegen::city {
 
-/// What stands in streets: trees, lamps, signs, parked cars, road markings.
+/// What stands in streets: trees, lamps, signs, parked and moving cars, road markings.
 struct FurnitureOptions {
     uint64_t seed = 1;
     size_t treeTriangles = 0;  ///< per tree; 0: no trees
     double cars = 0.7;         ///< share of parking places that are taken
+    double traffic = 0;        ///< moving cars per kilometre of lane
+    bool night = false;        ///< lamps are lit
 };
 
 struct TreePlace {

@@ -25,9 +25,9 @@ void addViews(Scene& scene, const Plan& plan, int count, double fovY) {
         if (i % 2) std::swap(s.a, s.b);
         const double length = glm::distance(s.a, s.b);
         const glm::dvec2 u = (s.b - s.a) / length;
-        // A pedestrian's eye a little to the right of the middle, looking slightly to the left.
-        const glm::dvec2 eye = s.a + u * (length * (0.22 + 0.11 * double(i / 2 % 4))) + 0.1 * s.width * glm::dvec2(u.y, -u.x);
-        const glm::dvec3 ahead(u + 0.12 * glm::dvec2(-u.y, u.x), 0.07);
+        // A pedestrian's eye in the middle, between the lanes, looking slightly to the left and up.
+        const glm::dvec2 eye = s.a + u * (length * (0.22 + 0.11 * double(i / 2 % 4)));
+        const glm::dvec3 ahead(u + 0.12 * glm::dvec2(-u.y, u.x), 0.15);
         View view{.name = fmt::format("walk{}", i), .eye = {eye, 1.7}, .forward = ahead / std::sqrt(glm::dot(ahead, ahead)), .fovY = fovY};
         view.near = 0.3, view.far = std::max(400.0, extent.length());
         scene.views.push_back(view);

@@ -22,13 +22,21 @@ namespace dapple::scenegen {
 /// without a triangle, or with a vertex or node transform that is not finite (naming the node).
 Scene importFile(const std::filesystem::path& file);
 
-/// Scenes that scenegen/import/fetch_real prepares in base::cacheFolder()/real, sorted by name; the
-/// description says whether the scene is there already.
+/// Scenes that a script prepares in base::cacheFolder()/real, sorted by name; the description says whether the scene is
+/// there already, or which script fetches it.
 std::vector<SceneEntry> listRealScenes();
 
 bool isRealScene(const std::string& name);
 
-/// File of the real scene `name`. Throws UsageError: not a real scene, or not fetched yet (with the command).
+/// What fetches a real scene: a Python script, relative to base::homeFolder(), and its argument (empty: none).
+struct RealSceneScript {
+    const char* file;
+    const char* argument;
+};
+/// Throws UsageError: not a real scene.
+RealSceneScript realSceneScript(const std::string& name);
+
+/// File of the real scene `name`, a recipe or what importFile() reads. Throws UsageError: not a real scene, or not fetched yet (with the command).
 std::filesystem::path realScenePath(const std::string& name);
 
 }  // namespace dapple::scenegen

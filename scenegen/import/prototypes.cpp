@@ -1,5 +1,7 @@
 #include "scenegen/import/prototypes.h"
 
+#include "scenegen/lod/connectivity.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -245,21 +247,6 @@ void keepUsedMaterials(FileScene& file, Scene& scene) {
 
 }  // namespace
 
-bool isClosed(const Mesh& mesh) {
-    std::vector<uint32_t> order(mesh.positions.size()), welded(mesh.positions.size());
-    std::iota(order.begin(), order.end(), 0u);
-    const auto key = [&](uint32_t v) { return std::tuple(mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z); };
-    std::ranges::sort(order, {}, key);
-    for (size_t i = 0; i < order.size(); ++i)
-        welded[order[i]] = i > 0 && key(order[i - 1]) == key(order[i]) ? welded[order[i - 1]] : order[i];
-    std::vector<std::pair<uint32_t, uint32_t>> edges;
-    for (size_t i = 0; i < mesh.indices.size(); ++i)
-        edges.emplace_back(welded[mesh.indices[i]], welded[mesh.indices[i % 3 == 2 ? i - 2 : i + 1]]);
-    std::ranges::sort(edges);
-    if (edges.empty() || std::ranges::adjacent_find(edges) != edges.end()) return false;
-    return std::ranges::all_of(edges, [&](const auto& e) { return std::ranges::binary_search(edges, std::pair(e.second, e.first)); });
-}
-
 CutCounts cutIntoPrototypes(FileScene& file, double cell, Scene& scene) {
     CutCounts counts;
     const std::vector<Shape> shapes = findShapes(file);
@@ -275,7 +262,7 @@ CutCounts cutIntoPrototypes(FileScene& file, double cell, Scene& scene) {
 
     scene.origin = chooseOrigin(drafts);
     for (Draft& draft : drafts) {
-        draft.prototype.closed = std::ranges::all_of(draft.prototype.meshes, isClosed);
+        draft.prototype.closed = std::ranges::all_of(draft.prototype.meshes, [](const Mesh& m) { return isClosed(m); });
         for (const Placed& p : draft.places)
             scene.instances.push_back({glm::vec3(p.translation - scene.origin), float(p.scale), float(p.yaw), uint32_t(scene.prototypes.size())});
         scene.prototypes.push_back(std::move(draft.prototype));

@@ -17,7 +17,4 @@ struct CutCounts {
 /// draw calls and leaves frustum culling something to do.
 CutCounts cutIntoPrototypes(FileScene& file, double cell, Scene& scene);
 
-/// Every directed edge once and its opposite once, on positions welded where they are equal.
-bool isClosed(const Mesh& mesh);
-
 }  // namespace dapple::scenegen

@@ -1,6 +1,9 @@
 #include "scenegen/lod/connectivity.h"
 
+#include "base/hash.h"
 #include "scenegen/lod/half_edges.h"
+
+#include <bit>
 
 namespace dapple::scenegen {
 namespace {
@@ -58,9 +61,34 @@ Connectivity connectivity(const Mesh& mesh) {
     return c;
 }
 
+bool isClosed(const Mesh& mesh) {
+    if (mesh.indices.empty()) return false;
+    const std::vector<uint32_t> welded = weldedVertices(mesh.positions);
+    // Open addressing over edges, each as its lower and higher vertex; the two topmost bits of these say in which
+    // direction a triangle has run through it. A closed mesh has an edge for two indices: half full at most.
+    constexpr uint64_t kUpwards = uint64_t{1} << 63, kDownwards = uint64_t{1} << 31, kBoth = kUpwards | kDownwards;
+    std::vector<uint64_t> edges(std::bit_ceil(mesh.indices.size() + 1));
+    size_t unpaired = 0, count = 0;
+    for (size_t i = 0; i < mesh.indices.size(); ++i) {
+        const uint64_t a = welded[mesh.indices[i]], b = welded[mesh.indices[i % 3 == 2 ? i - 2 : i + 1]];
+        if (a == b) return false;
+        const uint64_t edge = std::min(a, b) << 32 | std::max(a, b), direction = a < b ? kUpwards : kDownwards;
+        size_t slot = base::mix64(edge) & (edges.size() - 1);
+        while (edges[slot] != 0 && (edges[slot] & ~kBoth) != edge) slot = (slot + 1) & (edges.size() - 1);
+        if (edges[slot] == 0) {
+            if (++count > mesh.indices.size() / 2) return false;
+            edges[slot] = edge | direction, ++unpaired;
+        } else {
+            if (edges[slot] & direction) return false;
+            edges[slot] |= direction, --unpaired;
+        }
+    }
+    return unpaired == 0;
+}
+
 bool isClosed(const Prototype& prototype) {
     for (const Mesh& mesh : prototype.meshes)
-        if (!connectivity(mesh).closed()) return false;
+        if (!isClosed(mesh) || degenerateTriangles(mesh) > 0) return false;
     return !prototype.meshes.empty();
 }
 

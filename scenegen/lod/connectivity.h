@@ -20,7 +20,11 @@ struct Connectivity {
 
 Connectivity connectivity(const Mesh& mesh);
 
-/// True if every mesh is closed: what Prototype::closed says.
+/// Every directed edge once and its opposite once, on positions welded where they are equal. Linear in the triangles.
+/// Solids that touch at a corner are closed here, while connectivity() calls that corner no manifold.
+bool isClosed(const Mesh& mesh);
+
+/// True if every mesh is closed and has no triangle without area: what Prototype::closed says.
 bool isClosed(const Prototype& prototype);
 
 }  // namespace dapple::scenegen

@@ -1,9 +1,8 @@
 #include "scenegen/lod/half_edges.h"
 
-#include <algorithm>
-#include <numeric>
-#include <sstream>
-#include <tuple>
+#include "base/hash.h"
+
+#include <bit>
 
 namespace dapple::scenegen {
 namespace {
@@ -15,24 +14,25 @@ public:
     ~MuteOpenMesh() { omerr().enable(); }
 };
 
-/// For each vertex the first one at the same position.
-std::vector<uint32_t> weld(const std::vector<glm::vec3>& positions) {
-    std::vector<uint32_t> order(positions.size()), first(positions.size());
-    std::iota(order.begin(), order.end(), 0u);
-    const auto key = [&](uint32_t i) { return std::tuple(positions[i].x, positions[i].y, positions[i].z, i); };
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
-    for (size_t k = 0; k < order.size(); ++k) {
-        const bool same = k > 0 && positions[order[k]] == positions[order[k - 1]];
-        first[order[k]] = same ? first[order[k - 1]] : order[k];
+}  // namespace
+
+std::vector<uint32_t> weldedVertices(const std::vector<glm::vec3>& positions) {
+    constexpr uint32_t kNone = ~0u;
+    std::vector<uint32_t> first(positions.size()), slots(std::bit_ceil(2 * positions.size() + 1), kNone);
+    for (uint32_t i = 0; i < positions.size(); ++i) {
+        const glm::vec3 p = positions[i] + 0.0f;  // both zeros are one place
+        const uint64_t low = uint64_t(std::bit_cast<uint32_t>(p.x)) << 32 | std::bit_cast<uint32_t>(p.y);
+        size_t slot = base::mix64(base::mix64(low) ^ std::bit_cast<uint32_t>(p.z)) & (slots.size() - 1);
+        while (slots[slot] != kNone && positions[slots[slot]] != p) slot = (slot + 1) & (slots.size() - 1);
+        if (slots[slot] == kNone) slots[slot] = i;
+        first[i] = slots[slot];
     }
     return first;
 }
 
-}  // namespace
-
 HalfEdges toHalfEdges(const Mesh& mesh, size_t& refused) {
     const MuteOpenMesh mute;
-    const std::vector<uint32_t> first = weld(mesh.positions);
+    const std::vector<uint32_t> first = weldedVertices(mesh.positions);
     HalfEdges surface;
     surface.reserve(mesh.positions.size(), mesh.indices.size() / 2, mesh.triangles());
     std::vector<OpenMesh::VertexHandle> handle(mesh.positions.size());

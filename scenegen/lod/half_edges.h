@@ -18,6 +18,9 @@ struct HalfEdgeTraits : OpenMesh::DefaultTraits {
 };
 using HalfEdges = OpenMesh::TriMesh_ArrayKernelT<HalfEdgeTraits>;
 
+/// For each vertex the first one at an equal position. Linear.
+std::vector<uint32_t> weldedVertices(const std::vector<glm::vec3>& positions);
+
 /// The mesh with vertices of bitwise equal position welded. `refused` counts triangles that would make it
 /// non-manifold or that have two equal corners; they are left out.
 HalfEdges toHalfEdges(const Mesh& mesh, size_t& refused);

@@ -55,7 +55,7 @@ Terrain readTerrain(base::ConfigTable& t, uint64_t seed, double area) {
     HeightField field;
     if (t.has("file")) {
         const double spacing = t.number("spacing", 1, 1e-6, 1e6), vertical = t.number("vertical", 1, -1e6, 1e6);
-        field = readHeights(t.text("file"), spacing, vertical);
+        field = readHeights(t.path("file"), spacing, vertical);
     } else {
         field = grow(t, terrain.tiles, seed, area);
     }

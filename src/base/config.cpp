@@ -127,6 +127,12 @@ std::string ConfigTable::text(std::string_view key) {
     return value->get();
 }
 
+std::filesystem::path ConfigTable::path(std::string_view key) {
+    const std::filesystem::path given = text(key);
+    const auto& source = impl_->find(key)->source().path;
+    return source && *source != impl_->file ? given : std::filesystem::path(impl_->file).parent_path() / given;
+}
+
 double ConfigTable::number(std::string_view key, double fallback, double lo, double hi) {
     const toml::node* node = impl_->find(key);
     return node ? impl_->finite(node, key, lo, hi) : fallback;

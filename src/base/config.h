@@ -37,6 +37,8 @@ public:
     // Getters: a missing key yields the default; the overloads without one require the key.
     std::string text(std::string_view key, std::string_view fallback);
     std::string text(std::string_view key);
+    /// A file's path: a relative one counts from the folder of the file that says it, or, in a setting, from the working folder.
+    std::filesystem::path path(std::string_view key);
     double number(std::string_view key, double fallback, double lo = -1e300, double hi = 1e300);  ///< finite
     double number(std::string_view key);
     int64_t integer(std::string_view key, int64_t fallback, int64_t lo, int64_t hi);

@@ -165,6 +165,21 @@ TEST(ConfigTable, SetReplacesAddsAndNamesItself) {
     expectHolds(errorLine([&] { root.set("=1"); }), "key=value");
 }
 
+TEST(ConfigTable, PathsCountFromTheFileOrInSettingsFromTheWorkingFolder) {
+    ConfigTable t = ConfigTable::parseText("a = 'x/one.png'\nb = '/abs/two.png'\n[c]\nd = 'three'\n[[e]]\nf = 'four'\n", "folder/some.toml");
+    t.set("g=five.png");
+    t.set("c.h=six");
+    EXPECT_EQ(t.path("a"), "folder/x/one.png");
+    EXPECT_EQ(t.path("b"), "/abs/two.png");
+    EXPECT_EQ(t.path("g"), "five.png");
+    ConfigTable c = *t.table("c");
+    EXPECT_EQ(c.path("d"), "folder/three");
+    EXPECT_EQ(c.path("h"), "six");
+    EXPECT_EQ(t.tables("e")[0].path("f"), "folder/four");
+    EXPECT_EQ(parse("a = 'one'").path("a"), "one");
+    expectError("a = 3", [](ConfigTable& table) { table.path("a"); }, {"some.toml:1: a: must be a text"});
+}
+
 TEST(ConfigTable, FilesAreNamedByTheirPath) {
     const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "dapple_config_test.toml";
     writeFile(path, "a = 1\nb = nan\n");

@@ -11,9 +11,14 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <map>
 
 using namespace dapple::scenegen;
 using namespace dapple::scenegen::city;
@@ -136,6 +141,111 @@ TEST(Footprints, heightsAreThoseOfTheFile) {
     Ring clockwise = square(0, 0, 5);
     std::reverse(clockwise.begin(), clockwise.end());
     EXPECT_GT(twiceArea(parseFootprints(collection(polygon({clockwise}, "")), "x", true).buildings[0].rings[0]), 0);
+}
+
+/// The highest point of each building of a scene: what hangs together at equal positions is one.
+std::vector<double> builtHeights(const Scene& scene) {
+    std::vector<double> heights;
+    for (const Instance& instance : scene.instances) {
+        const Prototype& prototype = scene.prototypes[instance.prototype];
+        if (!prototype.castsShadow) continue;  // the ground
+        for (const Mesh& mesh : prototype.meshes) {
+            std::map<std::array<float, 3>, size_t> number;
+            std::vector<size_t> parent;
+            const auto root = [&](size_t i) {
+                while (parent[i] != i) i = parent[i] = parent[parent[i]];
+                return i;
+            };
+            std::vector<size_t> of;
+            for (const glm::vec3& p : mesh.positions) {
+                const auto [at, isNew] = number.try_emplace({p.x, p.y, p.z}, parent.size());
+                if (isNew) parent.push_back(parent.size());
+                of.push_back(at->second);
+            }
+            for (size_t i = 0; i < mesh.indices.size(); ++i) parent[root(of[mesh.indices[i]])] = root(of[mesh.indices[i % 3 ? i - 1 : i]]);
+            std::map<size_t, float> top;
+            for (size_t i = 0; i < of.size(); ++i) {
+                float& z = top.try_emplace(root(of[i]), -1e9f).first->second;
+                z = std::max(z, mesh.positions[i].z);
+            }
+            for (const auto& [building, z] : top) heights.push_back(double(z + instance.translation.z));
+        }
+    }
+    return heights;
+}
+
+double quantile(std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    return values.at(size_t(share * double(values.size() - 1)));
+}
+
+TEST(Footprints, theBuiltSceneHasTheHeightsOfTheFile) {
+    // Skewed as a city's are: log-normal about 8 m, a third of the buildings given by their levels.
+    dapple::base::Random random(7, 0, 0);
+    std::vector<double> given;
+    std::string features;
+    for (int i = 0; i < 900; ++i) {
+        double normal = -6;
+        for (int k = 0; k < 12; ++k) normal += double(random.next());
+        const double height = 8 * std::exp(0.7 * normal);
+        const bool levels = i % 3 == 0;
+        const int storeys = std::max(1, int(height / 3.2 + 0.5));
+        given.push_back(levels ? 3.2 * storeys : height);
+        features += (i ? "," : "") + polygon({square(25 * (i % 30), 25 * (i / 30), 8 + 10 * double(random.next()))}, levels ? fmt::format("\"building:levels\": \"{}\"", storeys) : fmt::format("\"height\": {}", height));
+    }
+    const std::filesystem::path folder = testing::TempDir();
+    dapple::base::writeFile(folder / "skewed.geojson", collection(features));
+    dapple::base::writeFile(folder / "skewed.toml", "description = \"x\"\n[city]\nfootprints = \"skewed.geojson\"\nprojected = true\n");
+    const std::vector<double> built = builtHeights(loadScene((folder / "skewed.toml").string()));
+    EXPECT_EQ(built.size(), given.size());
+    EXPECT_GT(quantile(given, 0.95), 2 * quantile(given, 0.5)) << "skewed";
+    for (const double share : {0.05, 0.5, 0.95}) EXPECT_NEAR(quantile(built, share), quantile(given, share), 0.01 * quantile(given, share)) << share;
+}
+
+/// Of the buildings of which the file says a height; the file is read here once more, by other code.
+TEST(Footprints, astanaHasTheHeightsOfItsFile) {
+    const std::filesystem::path file = dapple::base::cacheFolder() / "real/astana/buildings.geojson";
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << "not fetched; run scenegen/import/fetch_astana";
+    nlohmann::json json = nlohmann::json::parse(dapple::base::readFile(file)), kept = nlohmann::json::array();
+    std::vector<double> given;
+    for (const nlohmann::json& feature : json["features"]) {
+        double height = 0;
+        for (const char* key : {"height", "building:levels"})
+            if (height == 0 && feature["properties"].contains(key)) height = std::atof(feature["properties"][key].get<std::string>().c_str()) * (*key == 'h' ? 1 : 3.2);
+        if (height <= 0 || height >= 2000) continue;
+        given.push_back(height);
+        kept.push_back(feature);
+    }
+    json["features"] = kept;
+    const std::filesystem::path folder = testing::TempDir();
+    dapple::base::writeFile(folder / "astana_heights.geojson", json.dump());
+    dapple::base::writeFile(folder / "astana_heights.toml", "description = \"x\"\n[city]\nfootprints = \"astana_heights.geojson\"\n");
+    const std::vector<double> built = builtHeights(loadScene((folder / "astana_heights.toml").string()));
+    EXPECT_NEAR(double(built.size()), double(given.size()), 0.02 * double(given.size()));
+    for (const double share : {0.5, 0.95}) {
+        fmt::print("share {}: {} buildings of the file {:.2f} m, {} built {:.2f} m\n", share, given.size(), quantile(given, share), built.size(), quantile(built, share));
+        EXPECT_NEAR(quantile(built, share), quantile(given, share), 0.1 * quantile(given, share));
+    }
+}
+
+TEST(Footprints, filesCountFromTheRecipesFolderAndInSettingsFromTheWorkingFolder) {
+    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "town";
+    std::filesystem::create_directories(folder);
+    dapple::base::writeFile(folder / "one.geojson", collection(polygon({square(0, 0, 9)}, "\"height\": 12")));
+    dapple::base::writeFile(folder / "town.toml", "description = \"x\"\n[city]\nfootprints = \"one.geojson\"\nprojected = true\n");
+    EXPECT_EQ(loadScene((folder / "town.toml").string()).facts().triangles, 24u);
+    const auto error = [&](const std::string& setting) -> std::string {
+        try {
+            loadScene((folder / "town.toml").string(), {setting});
+        } catch (const dapple::base::UsageError& e) {
+            return e.what();
+        }
+        return "no error";
+    };
+    EXPECT_THAT(error("city.footprints=one.geojson"), HasSubstr("cannot read one.geojson:"));
+    EXPECT_EQ(error("city.footprints=" + std::filesystem::relative(folder / "one.geojson").string()), "no error");
+    std::filesystem::remove(folder / "one.geojson");
+    EXPECT_THAT(error("seed=2"), HasSubstr("cannot read " + (folder / "one.geojson").string() + ":"));
 }
 
 TEST(Footprints, degreesBecomeMetres) {

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/image.h"
-#include "scenegen/import/prototypes.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -344,27 +343,13 @@ TEST_F(Import, BadFilesAreNamed) {
     expectUsageError(write("huge.gltf", tetrahedronGltf({R"("name":"tower","translation":[1e39,0,0])"})), {"tower", "finite"});
 }
 
-TEST(IsClosed, NeedsEveryEdgeOnceInEachDirection) {
-    Mesh m;
-    m.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};  // the last repeats the first: a seam
-    m.indices = {4, 2, 1, 0, 1, 3, 4, 3, 2, 1, 2, 3};
-    EXPECT_TRUE(isClosed(m));
-    Mesh flipped = m;
-    std::swap(flipped.indices[1], flipped.indices[2]);
-    EXPECT_FALSE(isClosed(flipped));
-    Mesh open = m;
-    open.indices.resize(9);
-    EXPECT_FALSE(isClosed(open));
-    Mesh doubled = m;
-    doubled.indices.insert(doubled.indices.end(), m.indices.begin(), m.indices.end());
-    EXPECT_FALSE(isClosed(doubled));
-    EXPECT_FALSE(isClosed(Mesh{}));
-}
-
 TEST(RealScenes, UnknownOrUnfetchedNamesSayWhatToDo) {
     EXPECT_TRUE(isRealScene("forza"));
     EXPECT_FALSE(isRealScene("monza"));
-    EXPECT_EQ(listRealScenes().size(), 2u);
+    EXPECT_EQ(listRealScenes().size(), 3u);
+    EXPECT_STREQ(realSceneScript("forza").argument, "forza");
+    for (const SceneEntry& scene : listRealScenes()) EXPECT_TRUE(fs::exists(fs::path(DAPPLE_SOURCE_DIR) / realSceneScript(scene.name).file));
+    EXPECT_THROW(realSceneScript("monza"), base::UsageError);
     EXPECT_THROW(realScenePath("monza"), base::UsageError);
 }
 

@@ -1,3 +1,4 @@
+#include "base/random.h"
 #include "scenegen/lod/connectivity.h"
 #include "scenegen/lod/decimate.h"
 #include "scenegen/plants/tree.h"
@@ -6,6 +7,7 @@
 #include <gtest/gtest.h>
 
 using namespace dapple::scenegen;
+using dapple::base::Random;
 
 namespace {
 
@@ -82,6 +84,72 @@ TEST(Connectivity, aDegenerateTriangleIsSeen) {
     mesh.normals.push_back({0, 0, 1});
     mesh.indices.insert(mesh.indices.end(), {0, 1, uint32_t(mesh.positions.size() - 1)});
     EXPECT_EQ(connectivity(mesh).degenerate, 1u);
+}
+
+TEST(IsClosed, needsEveryEdgeOnceInEachDirection) {
+    Mesh m;
+    m.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};  // the last repeats the first: a seam
+    m.indices = {4, 2, 1, 0, 1, 3, 4, 3, 2, 1, 2, 3};
+    EXPECT_TRUE(isClosed(m));
+    Mesh flipped = m;
+    std::swap(flipped.indices[1], flipped.indices[2]);
+    EXPECT_FALSE(isClosed(flipped));
+    Mesh open = m;
+    open.indices.resize(9);
+    EXPECT_FALSE(isClosed(open));
+    Mesh doubled = m;
+    doubled.indices.insert(doubled.indices.end(), m.indices.begin(), m.indices.end());
+    EXPECT_FALSE(isClosed(doubled));
+    EXPECT_FALSE(isClosed(Mesh{}));
+}
+
+/// Counts of every directed edge between positions, all pairs compared.
+bool closedByCounting(const Mesh& m) {
+    const auto at = [&](size_t i) { return m.positions[m.indices[i]]; };
+    for (size_t i = 0; i < m.indices.size(); ++i) {
+        const glm::vec3 a = at(i), b = at(i % 3 == 2 ? i - 2 : i + 1);
+        int same = 0, opposite = 0;
+        for (size_t k = 0; k < m.indices.size(); ++k) {
+            const glm::vec3 c = at(k), d = at(k % 3 == 2 ? k - 2 : k + 1);
+            same += a == c && b == d;
+            opposite += a == d && b == c;
+        }
+        if (same != 1 || opposite != 1) return false;
+    }
+    return !m.indices.empty();
+}
+
+TEST(IsClosed, agreesWithCountingOnDamagedMeshes) {
+    int closed = 0;
+    for (uint64_t seed = 0; seed < 300; ++seed) {
+        Random random(seed, 0, 1);
+        // Two boxes, apart or sharing a corner, an edge or a face.
+        Mesh m = boxMesh({1, 1, 1});
+        const glm::vec3 shift{float(int(3 * random.next())) * 0.5f + 0.5f, float(int(3 * random.next())) * 0.5f, seed % 3 ? 2.0f : 1.0f};
+        for (size_t i = 0, n = m.positions.size(); i < n; ++i) m.positions.push_back(m.positions[i] + shift);
+        for (size_t i = 0, n = m.indices.size(); i < n; ++i) m.indices.push_back(m.indices[i] + uint32_t(m.positions.size() / 2));
+        const auto pick = [&] { return size_t(random.next() * float(m.indices.size())) / 3 * 3; };
+        const float damage = random.next();
+        if (damage < 0.2f) m.indices.erase(m.indices.begin() + std::ptrdiff_t(pick()), m.indices.end());
+        else if (damage < 0.4f) std::swap(m.indices[pick()], m.indices[pick()]);
+        else if (damage < 0.5f) std::swap(m.indices[0], m.indices[1]);
+        else if (damage < 0.6f) m.indices.insert(m.indices.end(), m.indices.begin(), m.indices.begin() + 3);
+        else if (damage < 0.7f) m.positions[m.indices[pick()]].x += 1e-6f;
+        EXPECT_EQ(isClosed(m), closedByCounting(m)) << "seed " << seed;
+        closed += isClosed(m);
+    }
+    EXPECT_GT(closed, 50);
+    EXPECT_LT(closed, 200);
+}
+
+TEST(IsClosed, bothZerosAreOnePlace) {
+    Mesh m = boxMesh({1, 1, 1});
+    for (glm::vec3& p : m.positions) p += 0.5f;
+    bool minus = false;
+    for (glm::vec3& p : m.positions)
+        if (p.x == 0 && (minus = !minus)) p.x = -0.0f;
+    EXPECT_TRUE(isClosed(m));
+    EXPECT_TRUE(connectivity(m).closed());
 }
 
 TEST(Decimate, woodStaysClosedAndFoliageKeepsItsArea) {
