@@ -1,6 +1,6 @@
 """One recipe gives the same bytes from g++ at -O0 and -O3 and from clang++ as from the program under test.
 
-What computes geometry (plants, placement, terrain, primitives) is compiled anew with each; recipes, files and the rest come
+What computes geometry (plants, placement, terrain, primitives, the grid) is compiled anew with each; recipes, files and the rest come
 from the program's own library, whose copies of these sources the linker then does not take.
 """
 import os
@@ -27,9 +27,9 @@ HEAD = """description = "Every species at two levels of detail, with every kind 
 seed = 3
 trees = 60
 spacing = 0.3
+time = 0.7
 [wind]
 strength = 0.4
-time = 0.7
 [terrain]
 size = 160
 cells = 64
@@ -62,7 +62,7 @@ def sources(folder):
     parts = sorted((SOURCE / "scenegen/plants").glob("*.cpp")) + sorted((SOURCE / "scenegen/placement").glob("*.cpp"))
     unity = folder / "unity.cpp"
     unity.write_text("".join(f'#include "{p}"\n' for p in [*parts, SOURCE / "scenegen/primitives.cpp"]) + DRIVER)
-    return [unity, *sorted((SOURCE / "scenegen/terrain").glob("*.cpp"))]
+    return [unity, SOURCE / "scenegen/lod/grid.cpp", *sorted((SOURCE / "scenegen/terrain").glob("*.cpp"))]
 
 
 def run(command):
@@ -72,13 +72,13 @@ def run(command):
     return done.stdout
 
 
-def compileAll(compiler, level, folder, pool):
+def compileAll(compiler, level, files, folder, pool):
     """Objects, as promises."""
     def one(source):
         target = folder / f"{source.stem}-{compiler}{level}.o"
         run([compiler, level, *flags(), "-c", str(source), "-o", str(target)])
         return str(target)
-    return [pool.submit(one, source) for source in sources(folder)]
+    return [pool.submit(one, source) for source in files]
 
 
 def hashOf(compiler, level, objects, folder, libraries, scene):
@@ -96,10 +96,10 @@ def main():
         scene = folder / "every-species.toml"
         scene.write_text(recipe())
         expected = re.search(r"^hash\s+([0-9a-f]{16})$", run([str(program), "scene", str(scene), "--stats"]), re.M).group(1)
-        objects = {}
+        files, objects = sources(folder), {}
         for compiler, level in COMPILERS:
             if shutil.which(compiler):
-                objects[compiler, level] = compileAll(compiler, level, folder, pool)
+                objects[compiler, level] = compileAll(compiler, level, files, folder, pool)
             else:
                 print(f"{compiler} {level}: skipped, as {compiler} is not installed")
         different = False
