@@ -7,10 +7,11 @@ const float kShadowDim = 0.12;
 vec3 shade(vec3 albedo, float specular, vec3 normal, vec3 toEye, float visibility) {
     const vec3 sunColour = vec3(2.6, 2.4, 2.05), skyColour = vec3(0.36, 0.46, 0.62), groundColour = vec3(0.17, 0.15, 0.12);
     vec3 ambient = mix(groundColour, skyColour, normal.z * 0.5 + 0.5);
-    float diffuse = max(dot(normal, -uLight), 0.0) * mix(kShadowDim, 1.0, visibility);
+    float up = uLight.z < 0.0 ? 1.0 : 0.0;  // no dimmed sun from below the horizon
+    float diffuse = up * max(dot(normal, -uLight), 0.0) * mix(kShadowDim, 1.0, visibility);
     float h = max(dot(normal, normalize(toEye - uLight)), 0.0);
     h *= h; h *= h; h *= h; h *= h;
-    vec3 colour = albedo * (ambient * uDaylight + sunColour * diffuse) + specular * h * visibility;
+    vec3 colour = albedo * (ambient * uDaylight + sunColour * diffuse) + up * specular * h * visibility;
     return colour / (1.0 + 0.25 * colour);
 }
 vec3 sky(vec3 ray) {

@@ -15,8 +15,8 @@ glm::dvec3 unpackNormal(uint32_t packed) {
     return glm::normalize(glm::dvec3(component(0), component(10), component(20)));
 }
 
-/// Light of the sky: whole while the sun is up, a fiftieth from nautical dusk (12 degrees below the horizon) on.
-float daylight(double elevation) { return float(std::clamp(1 + elevation / 12, 0.02, 1.0)); }
+/// Light of the sky: whole while the sun is up, a twentieth from nautical dusk (12 degrees below the horizon) on.
+float daylight(double elevation) { return float(std::clamp(1 + elevation / 12, 0.05, 1.0)); }
 
 }  // namespace
 
