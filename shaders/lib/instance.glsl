@@ -7,8 +7,9 @@ uniform vec4 uGrid;                        // origin and step of the grid
 
 vec3 rotateYaw(vec3 p, vec2 cosSin) { return vec3(cosSin.x * p.x - cosSin.y * p.y, cosSin.y * p.x + cosSin.x * p.y, p.z); }
 vec3 instancePosition() { return aInstance.xyz + aInstance.w * rotateYaw(uGrid.xyz + uGrid.w * aPosition, aCosSinYaw); }
-/// The unit vector of gpuscene::octahedral().
+/// The unit vector of gpuscene::octahedral(); 0 for what lies outside its square.
 vec3 unpackOctahedral(vec2 o) {
+    if (o.x > 1.5) return vec3(0.0);
     vec3 n = vec3(o, 1.0 - abs(o.x) - abs(o.y));
     float below = max(-n.z, 0.0);
     n.xy += vec2(n.x >= 0.0 ? -below : below, n.y >= 0.0 ? -below : below);

@@ -26,7 +26,7 @@ Surface surface() {
     alphaTest(vUv);
 #endif
     // The triangle's plane faces the viewer by the derivatives' order; the vertices' normal may not.
-    vec3 normal = normalize(vNormal);
+    vec3 normal = vNormal == vec3(0.0) ? geometric : normalize(vNormal);  // flat meshes carry none
     if (dot(normal, geometric) < 0.0) normal = -normal;
     return Surface(albedo, normal, geometric);
 }

@@ -42,8 +42,8 @@ gl::Texture uploadTexture(const base::Image8& image) {
 GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.facts()) {
     std::vector<FloatVertex> floats;
     std::vector<CompactVertex> compacts;
-    std::vector<glm::vec2> uvs;
-    std::vector<uint32_t> halfUvs;
+    std::vector<FlatVertex> flats;
+    std::vector<uint8_t> uvs[kKinds];
     std::vector<uint8_t> indices;
     size_t quads = 0;  // of the largest mesh without indices of its own
     for (const scenegen::Prototype& prototype : scene.prototypes)
@@ -56,20 +56,23 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
             if (mesh.indices.empty()) continue;
             const scenegen::Material& material = scene.materials[mesh.material];
             const Packing packing = choosePacking(mesh);
-            GpuMesh m{packing, 0, uint32_t(mesh.indices.size()), int32_t(packing.compact ? compacts.size() : floats.size()), mesh.material, material.alphaTested, !material.doubleSided};
+            const auto kind = size_t(packing.vertices);
+            const size_t stored[kKinds] = {floats.size(), compacts.size(), flats.size()};
+            GpuMesh m{packing, 0, uint32_t(mesh.indices.size()), int32_t(stored[kind]), mesh.material, material.alphaTested, !material.doubleSided};
             if (packing.indices == Packing::Indices::bits32) m.indexOffset = append(indices, mesh.indices);
             if (packing.indices == Packing::Indices::bits16) m.indexOffset = append(indices, std::vector<uint16_t>(mesh.indices.begin(), mesh.indices.end()));
             (material.alphaTested ? hasAlpha_ : hasOpaque_) = true;
             hasOpaqueTextures_ |= !material.alphaTested && material.texture >= 0;
             for (size_t v = 0; v < mesh.positions.size(); ++v)
-                if (packing.compact) compacts.emplace_back(packing, mesh.positions[v], mesh.normals[v]);
+                if (packing.vertices == Packing::Vertices::flat) flats.emplace_back(packing, mesh.positions[v]);
+                else if (packing.vertices == Packing::Vertices::compact) compacts.emplace_back(packing, mesh.positions[v], mesh.normals[v]);
                 else floats.emplace_back(mesh.positions[v], mesh.normals[v]);
             if (!scene.textures.empty()) {  // parallel to the vertices, whether this mesh has any or not
-                for (const glm::vec2& uv : mesh.uvs)
-                    if (packing.compact) halfUvs.push_back(glm::packHalf2x16(uv));
-                    else uvs.push_back(uv);
-                halfUvs.resize(compacts.size());
-                uvs.resize(floats.size());
+                std::vector<uint32_t> halves;
+                for (const glm::vec2& uv : mesh.uvs) halves.push_back(glm::packHalf2x16(uv));
+                if (packing.vertices == Packing::Vertices::floats) append(uvs[kind], mesh.uvs);
+                else append(uvs[kind], halves);
+                uvs[kind].resize((stored[kind] + mesh.positions.size()) * (packing.vertices == Packing::Vertices::floats ? sizeof(glm::vec2) : sizeof(uint32_t)));
             }
             gpu.meshes.push_back(m);
         }
@@ -77,8 +80,8 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
     }
     vertices_[0] = gl::Buffer::of<FloatVertex>(floats);
     vertices_[1] = gl::Buffer::of<CompactVertex>(compacts);
-    uvs_[0] = gl::Buffer::of<glm::vec2>(uvs);
-    uvs_[1] = gl::Buffer::of<uint32_t>(halfUvs);
+    vertices_[2] = gl::Buffer::of<FlatVertex>(flats);
+    for (size_t kind = 0; kind < kKinds; ++kind) uvs_[kind] = gl::Buffer::of<uint8_t>(uvs[kind]);
     indices_ = gl::Buffer::of<uint8_t>(indices);
     for (const scenegen::Texture& texture : scene.textures) textures_.push_back(uploadTexture(texture.image));
     colourSampler_ = gl::makeSampler({GL_LINEAR, true, GL_REPEAT});
@@ -90,24 +93,34 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
         box_.extend(boxes_.back());
     }
 
-    for (const bool compact : {false, true})
+    struct Layout {
+        GLenum position, uv, normal;
+        GLsizei vertexBytes, uvBytes;
+        GLuint normalOffset;
+    };
+    constexpr Layout kLayouts[kKinds] = {{GL_FLOAT, GL_FLOAT, GL_SHORT, sizeof(FloatVertex), sizeof(glm::vec2), offsetof(FloatVertex, normal)},
+                                         {GL_UNSIGNED_SHORT, GL_HALF_FLOAT, GL_BYTE, sizeof(CompactVertex), sizeof(uint32_t), offsetof(CompactVertex, normal)},
+                                         {GL_UNSIGNED_SHORT, GL_HALF_FLOAT, GL_NONE, sizeof(FlatVertex), sizeof(uint32_t), 0}};
+    // What a vertex without a normal reads in its place: outside the octahedral square.
+    glVertexAttrib2f(kNormal, 2, 2);
+    for (size_t kind = 0; kind < kKinds; ++kind)
         for (int i = 0; i < 4; ++i) {
             const auto set = Attributes(i);
-            gl::VertexArray& array = arrays_[compact][i] = gl::makeVertexArray();
-            const GLuint vao = array.name();
+            const Layout& layout = kLayouts[kind];
+            const GLuint vao = (arrays_[kind][i] = gl::makeVertexArray()).name();
             const auto attribute = [&](GLuint index, GLuint binding, GLint size, GLenum type, bool normalized, GLuint offset) {
                 glEnableVertexArrayAttrib(vao, index);
                 glVertexArrayAttribFormat(vao, index, size, type, normalized, offset);
                 glVertexArrayAttribBinding(vao, index, binding);
             };
-            attribute(kPosition, kVertexBinding, 3, compact ? GL_UNSIGNED_SHORT : GL_FLOAT, false, 0);
-            glVertexArrayVertexBuffer(vao, kVertexBinding, vertices_[compact].name(), 0, compact ? sizeof(CompactVertex) : sizeof(FloatVertex));
+            attribute(kPosition, kVertexBinding, 3, layout.position, false, 0);
+            glVertexArrayVertexBuffer(vao, kVertexBinding, vertices_[kind].name(), 0, layout.vertexBytes);
             if (set == Attributes::positionUv || set == Attributes::all) {
-                attribute(kUv, kUvBinding, 2, compact ? GL_HALF_FLOAT : GL_FLOAT, false, 0);
-                glVertexArrayVertexBuffer(vao, kUvBinding, uvs_[compact].name(), 0, compact ? sizeof(uint32_t) : sizeof(glm::vec2));
+                attribute(kUv, kUvBinding, 2, layout.uv, false, 0);
+                glVertexArrayVertexBuffer(vao, kUvBinding, uvs_[kind].name(), 0, layout.uvBytes);
             }
-            if (set == Attributes::positionNormal || set == Attributes::all)
-                attribute(kNormal, kVertexBinding, 2, compact ? GL_BYTE : GL_SHORT, true, compact ? offsetof(CompactVertex, normal) : offsetof(FloatVertex, normal));
+            if ((set == Attributes::positionNormal || set == Attributes::all) && layout.normal != GL_NONE)
+                attribute(kNormal, kVertexBinding, 2, layout.normal, true, layout.normalOffset);
             attribute(kInstancePosition, kInstanceBinding, 4, GL_FLOAT, false, 0);
             attribute(kInstanceYaw, kInstanceBinding, 2, GL_FLOAT, false, offsetof(InstanceData, cosSinYaw));
             glVertexArrayBindingDivisor(vao, kInstanceBinding, 1);
@@ -116,7 +129,9 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
 }
 
 size_t GpuScene::bufferBytes() const {
-    return vertices_[0].bytes() + vertices_[1].bytes() + uvs_[0].bytes() + uvs_[1].bytes() + indices_.bytes();
+    size_t sum = indices_.bytes();
+    for (size_t kind = 0; kind < kKinds; ++kind) sum += vertices_[kind].bytes() + uvs_[kind].bytes();
+    return sum;
 }
 
 size_t GpuScene::textureBytes() const {
@@ -177,8 +192,8 @@ void GpuScene::setMaterial(uint32_t index, GLuint program) const {
 
 DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces) const {
     DrawCount count;
-    for (const bool compact : {false, true})
-        glVertexArrayVertexBuffer(arrays_[compact][int(attributes)].name(), kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
+    for (const auto& arrays : arrays_)
+        glVertexArrayVertexBuffer(arrays[int(attributes)].name(), kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
     const GLint gridLocation = glGetUniformLocation(program, "uGrid");
     uint32_t material = ~0u;
     for (const DrawList::Range& range : list.ranges)
@@ -186,7 +201,7 @@ DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attribu
             if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
             if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, program);
             (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
-            glBindVertexArray(arrays_[mesh.packing.compact][int(attributes)].name());
+            glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
             glProgramUniform4fv(program, gridLocation, 1, &mesh.packing.grid.x);
             glDrawElementsInstancedBaseVertexBaseInstance(
                 GL_TRIANGLES, GLsizei(mesh.indexCount), mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT,

@@ -14,7 +14,7 @@ struct GpuMesh {
     Packing packing;
     size_t indexOffset = 0;  ///< bytes
     uint32_t indexCount = 0;
-    int32_t baseVertex = 0;  ///< among the compact vertices, or among the float vertices
+    int32_t baseVertex = 0;  ///< among the vertices of its kind
     uint32_t material = 0;
     bool alphaTested = false;
     bool cullBack = false;  ///< single-sided material, hence a closed mesh: see Faces
@@ -60,8 +60,8 @@ struct DrawCount {
     size_t draws = 0, triangles = 0;
 };
 
-/// A Scene on the GPU: one buffer for compact vertices and one for the others, texture coordinates beside each where there
-/// are textures, one index buffer, the textures.
+/// A Scene on the GPU: a buffer for each kind of vertices, texture coordinates beside it where there are textures, one index
+/// buffer, the textures.
 class GpuScene {
 public:
     explicit GpuScene(const scenegen::Scene& scene);
@@ -96,8 +96,9 @@ private:
     std::vector<base::Box> boxes_;
     base::Box box_;
     std::vector<gl::Texture> textures_;
-    gl::Buffer vertices_[2], uvs_[2], indices_;  // of float vertices, of compact ones
-    gl::VertexArray arrays_[2][4];               // the same, by Attributes
+    static constexpr size_t kKinds = 3;  // of Packing::Vertices
+    gl::Buffer vertices_[kKinds], uvs_[kKinds], indices_;
+    gl::VertexArray arrays_[kKinds][4];  // by Attributes
     gl::Sampler colourSampler_, alphaSampler_;
     bool hasOpaque_ = false, hasAlpha_ = false, hasOpaqueTextures_ = false;
 };

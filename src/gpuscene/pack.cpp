@@ -21,6 +21,22 @@ int lowestBit(float v) {
 
 bool isHalf(const glm::vec2& uv) { return glm::unpackHalf2x16(glm::packHalf2x16(uv)) == uv; }
 
+/// Whether every triangle is shaded by the normal of its plane, to within a degree. Triangles without area say nothing.
+bool isFlat(const scenegen::Mesh& mesh) {
+    for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+        const uint32_t a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
+        const glm::dvec3 plane = glm::cross(glm::dvec3(mesh.positions[b]) - glm::dvec3(mesh.positions[a]), glm::dvec3(mesh.positions[c]) - glm::dvec3(mesh.positions[a]));
+        const double area = glm::length(plane);
+        for (const uint32_t v : {a, b, c})
+            if (area > 0 && std::abs(glm::dot(glm::dvec3(mesh.normals[v]), plane)) < 0.99985 * area) return false;
+    }
+    return true;
+}
+
+void steps(const Packing& packing, const glm::vec3& at, uint16_t (&position)[3]) {
+    for (int k = 0; k < 3; ++k) position[k] = uint16_t((double(at[k]) - double(packing.grid[k])) / double(packing.grid.w));
+}
+
 template <class Integer>
 void pack(const glm::vec3& unitNormal, Integer (&normal)[2]) {
     constexpr float top = float((1 << (8 * sizeof(Integer) - 1)) - 1);
@@ -43,15 +59,18 @@ Packing choosePacking(const scenegen::Mesh& mesh) {
     // Far from the range in which the steps, or their products, would not be normal floats.
     if (!box.empty() && std::abs(lowest) < 60) {
         const glm::dvec3 steps = (glm::dvec3(box.hi) - glm::dvec3(box.lo)) / double(step);
-        packing.compact = std::max({steps.x, steps.y, steps.z}) <= 65535 && std::all_of(mesh.uvs.begin(), mesh.uvs.end(), isHalf);
-        if (packing.compact) packing.grid = {box.lo, step};
+        if (std::max({steps.x, steps.y, steps.z}) <= 65535 && std::all_of(mesh.uvs.begin(), mesh.uvs.end(), isHalf)) {
+            packing.vertices = isFlat(mesh) ? Packing::Vertices::flat : Packing::Vertices::compact;
+            packing.grid = {box.lo, step};
+        }
     }
     if (mesh.positions.size() <= 65536) packing.indices = scenegen::isQuadList(mesh) ? Packing::Indices::quads : Packing::Indices::bits16;
     return packing;
 }
 
 size_t Packing::bytes(const scenegen::Mesh& mesh) const {
-    const size_t vertex = compact ? sizeof(CompactVertex) : sizeof(FloatVertex), uv = compact ? 4 : 8;
+    constexpr size_t kVertex[] = {sizeof(FloatVertex), sizeof(CompactVertex), sizeof(FlatVertex)};
+    const size_t vertex = kVertex[size_t(vertices)], uv = vertices == Vertices::floats ? 8 : 4;
     const size_t index = indices == Indices::quads ? 0 : indices == Indices::bits16 ? 2 : 4;
     return mesh.positions.size() * vertex + mesh.uvs.size() * uv + mesh.indices.size() * index;
 }
@@ -65,9 +84,11 @@ glm::vec2 octahedral(const glm::vec3& n) {
 }
 
 CompactVertex::CompactVertex(const Packing& packing, const glm::vec3& at, const glm::vec3& unitNormal) {
-    for (int k = 0; k < 3; ++k) position[k] = uint16_t((double(at[k]) - double(packing.grid[k])) / double(packing.grid.w));
+    steps(packing, at, position);
     pack(unitNormal, normal);
 }
+
+FlatVertex::FlatVertex(const Packing& packing, const glm::vec3& at) { steps(packing, at, position); }
 
 FloatVertex::FloatVertex(const glm::vec3& at, const glm::vec3& unitNormal) : position(at) { pack(unitNormal, normal); }
 

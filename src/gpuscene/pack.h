@@ -6,9 +6,11 @@ namespace dapple::gpuscene {
 
 /// How a mesh lies in GPU memory, and what that takes. Nothing is rounded but normals.
 struct Packing {
-    /// Positions lie on a grid of 65,536 steps a side (scenegen/lod/grid.h) and texture coordinates are halves: a vertex is
-    /// a CompactVertex, and 2 × 16 bits of texture coordinates; otherwise a FloatVertex and two floats.
-    bool compact = false;
+    enum class Vertices {
+        floats,   ///< FloatVertex; two floats of texture coordinates
+        compact,  ///< positions lie on a grid of 65,536 steps a side (scenegen/lod/grid.h), texture coordinates are halves
+        flat,     ///< compact, and each triangle's normal is that of its plane, which a fragment knows: none is stored
+    } vertices = Vertices::floats;
     /// position = grid.xyz + grid.w · (what is stored), without rounding; (0, 0, 0, 1) where floats are stored.
     glm::vec4 grid{0, 0, 0, 1};
     enum class Indices {
@@ -43,6 +45,12 @@ struct FloatVertex {
     int16_t normal[2];
 };
 static_assert(sizeof(FloatVertex) == 16);
+
+struct FlatVertex {
+    FlatVertex(const Packing& packing, const glm::vec3& position);
+    uint16_t position[3];
+};
+static_assert(sizeof(FlatVertex) == 6);
 
 /// Bytes of all prototypes of a scene, packed.
 size_t packedBytes(const scenegen::Scene& scene);

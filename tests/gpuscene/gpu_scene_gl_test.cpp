@@ -68,9 +68,9 @@ TEST_F(GpuSceneTest, BucketsFollowFromTheContent) {
 TEST_F(GpuSceneTest, BytesAreThoseOfTheContent) {
     const scenegen::Scene scene = sceneOf({{fan(3, 0, false)}, {fan(5, 1, true)}});
     const GpuScene gpu(scene);
-    // Neither fan lies on a grid. Texture coordinates stand beside all vertices as soon as there is a texture. The two
-    // buffers for compact vertices are empty, for which GL asks 16 bytes.
-    EXPECT_EQ(gpu.bufferBytes(), (5 + 7) * (16 + 8) + 3 * (3 + 5) * 2 + 2 * 16);
+    // Neither fan lies on a grid. Texture coordinates stand beside all vertices as soon as there is a texture. The four
+    // buffers for the other kinds are empty, for which GL asks 16 bytes.
+    EXPECT_EQ(gpu.bufferBytes(), (5 + 7) * (16 + 8) + 3 * (3 + 5) * 2 + 4 * 16);
     EXPECT_EQ(gpu.textureBytes(), (4u * 2 + 2 * 1 + 1) * 4);
     ASSERT_EQ(gpu.prototypes().size(), 2u);
     EXPECT_EQ(gpu.prototypes()[1].triangles, 5u);
@@ -105,7 +105,7 @@ TEST_F(GpuSceneTest, CompactVerticesGiveTheSameDepthToTheBit) {
     for (const bool compact : {false, true}) {
         const scenegen::Scene scene = gridded(compact);
         const GpuScene gpu(scene);
-        for (const GpuMesh& mesh : gpu.prototypes()[0].meshes) EXPECT_EQ(mesh.packing.compact, compact);
+        for (const GpuMesh& mesh : gpu.prototypes()[0].meshes) EXPECT_EQ(mesh.packing.vertices != Packing::Vertices::floats, compact);
         EXPECT_EQ(gpu.prototypes()[0].meshes[0].packing.indices == Packing::Indices::quads, compact);
         DrawList list;
         list.data.push_back({{0.1f, 0.2f, 0}, 1.1f, {0.6f, 0.8f}});

@@ -45,7 +45,7 @@ TEST(Packing, aCompactPositionIsTheFloatToTheBit) {
             Mesh mesh = leaves(500, extent, seed);
             scenegen::snapToGrid(mesh);
             const Packing packing = choosePacking(mesh);
-            ASSERT_TRUE(packing.compact) << extent;
+            ASSERT_EQ(packing.vertices, Packing::Vertices::compact) << extent;
             for (size_t v = 0; v < mesh.positions.size(); ++v) {
                 const CompactVertex stored(packing, mesh.positions[v], mesh.normals[v]);
                 for (int k = 0; k < 3; ++k) ASSERT_EQ(packing.grid[k] + packing.grid.w * float(stored.position[k]), mesh.positions[v][k]);
@@ -59,18 +59,18 @@ TEST(Packing, aCompactPositionIsTheFloatToTheBit) {
 }
 
 TEST(Packing, whatIsOnNoGridStaysFloat) {
-    EXPECT_FALSE(choosePacking(leaves(500, 13, 1)).compact) << "random floats";
+    EXPECT_EQ(choosePacking(leaves(500, 13, 1)).vertices, Packing::Vertices::floats) << "random floats";
     Mesh far = leaves(2, 1, 1);
     scenegen::snapToGrid(far);
-    EXPECT_TRUE(choosePacking(far).compact);
+    EXPECT_NE(choosePacking(far).vertices, Packing::Vertices::floats);
     far.positions.push_back({1000, 0, 0});
-    EXPECT_FALSE(choosePacking(far).compact);
+    EXPECT_EQ(choosePacking(far).vertices, Packing::Vertices::floats);
     Mesh textured = leaves(2, 1, 1);
     scenegen::snapToGrid(textured);
     textured.uvs.assign(8, {0.5f, 1});
-    EXPECT_TRUE(choosePacking(textured).compact);
+    EXPECT_NE(choosePacking(textured).vertices, Packing::Vertices::floats);
     textured.uvs[3].x = 0.1f;  // no half is a tenth
-    EXPECT_FALSE(choosePacking(textured).compact);
+    EXPECT_EQ(choosePacking(textured).vertices, Packing::Vertices::floats);
 }
 
 TEST(Packing, indicesAreAsShortAsTheyCanBe) {
@@ -81,6 +81,32 @@ TEST(Packing, indicesAreAsShortAsTheyCanBe) {
     EXPECT_EQ(choosePacking(mesh).indices, bits16);
     mesh = leaves(kSharedQuads + 1, 1, 1);
     EXPECT_EQ(choosePacking(mesh).indices, bits32);
+}
+
+TEST(Packing, aFlatMeshStoresNoNormals) {
+    Mesh box;  // two sides of a box, each of two triangles
+    box.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}, {0, 0, 2}, {1, 0, 2}, {1, 0, 0}};
+    for (int v = 0; v < 8; ++v) box.normals.push_back(v < 4 ? glm::vec3(0, 0, -1) : glm::vec3(0, -1, 0));
+    box.indices = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+    EXPECT_EQ(choosePacking(box).vertices, Packing::Vertices::flat);
+    EXPECT_EQ(choosePacking(box).bytes(box), 8u * 6);
+    for (int v = 0; v < 8; ++v) {
+        const FlatVertex stored(choosePacking(box), box.positions[size_t(v)]);
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(choosePacking(box).grid[k] + choosePacking(box).grid.w * float(stored.position[k]), box.positions[size_t(v)][k]);
+    }
+    box.normals[5] = glm::normalize(glm::vec3(0, -1, 0.03f));  // 1.7 degrees off
+    EXPECT_EQ(choosePacking(box).vertices, Packing::Vertices::compact);
+}
+
+// Over the registry: every scene that dapple makes.
+TEST(Packing, scenesTakeAtMostSixteenBytesATriangle) {
+    for (const scenegen::SceneEntry& entry : scenegen::listScenes()) {
+        const scenegen::Scene scene = scenegen::loadScene(entry.name, {"scale=0.1"});
+        const size_t triangles = scene.facts().uniqueTriangles;
+        // A box or two are a few kilobytes; triangles without area share no vertex and lie on no grid.
+        if (triangles < 1000 || entry.name == "extreme-slivers") continue;
+        EXPECT_LE(double(packedBytes(scene)) / double(triangles), 16.0) << entry.name;
+    }
 }
 
 TEST(Packing, bytesByHand) {
@@ -105,7 +131,7 @@ TEST(Packing, everySpeciesIsCompactAtEveryLevelOfDetail) {
             for (Mesh mesh : {tree.bark, tree.leaves}) {
                 const Mesh before = mesh;
                 scenegen::snapToGrid(mesh);
-                EXPECT_TRUE(choosePacking(mesh).compact) << "lod " << lod;
+                EXPECT_NE(choosePacking(mesh).vertices, Packing::Vertices::floats) << "lod " << lod;
                 // Half a step along each axis, and the step is below 1 mm for whatever is below 64 m.
                 const float step = choosePacking(mesh).grid.w;
                 EXPECT_LE(step, 1.0f / 1024);
