@@ -27,19 +27,21 @@ vec3 fromBoxAxes(Caster c, vec3 p) {
     return vec3(c.cosSinYaw.x * p.x - c.cosSinYaw.y * p.y, c.cosSinYaw.y * p.x + c.cosSinYaw.x * p.y, p.z);
 }
 
-// Does the ray from q toward the sun meet the box of half size h about the origin? Slab test in the box's axes.
-bool meetsBox(vec3 q, vec3 h, vec3 light) {
+// Where the ray from q toward the sun is within the box of half size h about the origin: lengths along it, none if the
+// second is smaller. Slab test in the box's axes.
+vec2 withinBox(vec3 q, vec3 h, vec3 light) {
     vec3 safe = mix(light, vec3(1e-12), lessThan(abs(light), vec3(1e-12)));
     vec3 t1 = (q - h) / safe, t2 = (q + h) / safe;
     vec3 enter = min(t1, t2), leave = max(t1, t2);
-    return min(min(leave.x, leave.y), leave.z) >= max(0.0, max(max(enter.x, enter.y), enter.z));
+    return vec2(max(0.0, max(max(enter.x, enter.y), enter.z)), min(min(leave.x, leave.y), leave.z));
 }
 
-// Can the caster's shadow volume meet the box of receivers about `centre` (relative to the eye)? Conservative.
-bool mayReach(Caster c, CasterType type, vec3 centre, vec3 reach) {
+// Along the light, in the caster's own scale, where its shadow volume can meet the box of receivers about `centre`
+// (relative to the eye); nowhere if the second is smaller. Conservative.
+vec2 reachOf(Caster c, CasterType type, vec3 centre, vec3 reach) {
     vec2 a = abs(c.cosSinYaw);  // in the caster's axes the box of receivers lies within one of these half sides
     vec3 grown = type.half_.xyz + vec3(a.x * reach.x + a.y * reach.y, a.y * reach.x + a.x * reach.y, reach.z) / c.place.w;
-    return meetsBox(toBoxAxes(c, (centre - c.place.xyz) / c.place.w) - type.centre.xyz, grown, toBoxAxes(c, uLight));
+    return withinBox(toBoxAxes(c, (centre - c.place.xyz) / c.place.w) - type.centre.xyz, grown, toBoxAxes(c, uLight));
 }
 
 #ifdef LOOK_UP
@@ -48,7 +50,8 @@ uniform vec3 uBasisU, uBasisV;
 uniform float uSize;
 
 bool inVolume(Caster c, CasterType type, vec3 p) {
-    return meetsBox(toBoxAxes(c, (p - c.place.xyz) / c.place.w) - type.centre.xyz, type.half_.xyz, toBoxAxes(c, uLight));
+    vec2 along = withinBox(toBoxAxes(c, (p - c.place.xyz) / c.place.w) - type.centre.xyz, type.half_.xyz, toBoxAxes(c, uLight));
+    return along.y >= along.x;
 }
 
 // Texel coordinates and normalised depth of q, in the caster's own scale but the world's axes, in a map that was

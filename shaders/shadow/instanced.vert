@@ -3,7 +3,8 @@ uniform vec3 uLight;
 #include "lib/instanced.glsl"
 layout(std430, binding = 0) restrict readonly buffer Corners { uint corners[72]; };
 #ifdef MASKED
-layout(std430, binding = 4) restrict readonly buffer Survivors { uint survivors[]; };
+#include "lib/survivor.glsl"
+layout(std430, binding = 4) restrict readonly buffer Survivors { Survivor survivors[]; };
 #endif
 uniform mat4 uClipFromRelative;
 uniform float uExtrusion;  // metres: behind the whole scene
@@ -13,7 +14,8 @@ flat out uint vCaster;
 
 void main() {
 #ifdef MASKED
-    vCaster = survivors[gl_InstanceID];
+    Survivor survivor = survivors[uFirstCaster + gl_InstanceID];
+    vCaster = survivor.caster;
 #else
     vCaster = uint(uFirstCaster + gl_InstanceID);
 #endif
@@ -31,6 +33,10 @@ void main() {
     // Below the lowest receiver there is nothing to darken: a high sun makes short volumes.
     float top = c.place.z + c.place.w * (type.centre.z + type.half_.z);
     float extrusion = min(uExtrusion, (top - uFloor) / max(-uLight.z, 1e-6));
-    if ((corner & 8u) != 0u) world += uLight * extrusion;
+    float moved = (corner & 8u) != 0u ? extrusion : 0.0;
+#ifdef MASKED
+    moved = clamp(moved, survivor.from * c.place.w, survivor.to * c.place.w);
+#endif
+    world += uLight * moved;
     gl_Position = uClipFromRelative * vec4(world, 1.0);
 }

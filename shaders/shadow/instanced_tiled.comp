@@ -33,7 +33,8 @@ void main() {
         barrier();
         int i = begin + int(thread);
         if (i < uCasters) {
-            if (mayReach(casters[i], casterTypes[casters[i].type], centre, reach)) sList[atomicAdd(sCount, 1u)] = uint(i);
+            vec2 along = reachOf(casters[i], casterTypes[casters[i].type], centre, reach);
+            if (along.y >= along.x) sList[atomicAdd(sCount, 1u)] = uint(i);
         }
         barrier();
         for (uint k = 0u; k < sCount && lit > 0.0; ++k) {

@@ -160,7 +160,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         const bool volumes = !is("apply", "tiled") && !is("apply", "all");
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
-        if (is("cull", "mask") && (is("apply", "zpass") || !is("accumulate", "min"))) return "masked volumes are drawn in no fixed order: apply zfail or skip, accumulate min";
+        if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
         if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";
     }
     return std::nullopt;

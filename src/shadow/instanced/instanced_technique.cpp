@@ -11,6 +11,7 @@ namespace dapple::shadow {
 namespace {
 
 constexpr int kReceiverTile = 64;  ///< pixels, of receiver_tiles.comp
+constexpr size_t kSurvivorBytes = 12;  ///< of lib/survivor.glsl
 constexpr int kTile = 16;          ///< of instanced_tiled.comp
 
 class InstancedTechnique final : public Technique {
@@ -79,6 +80,8 @@ public:
 private:
     bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
     bool masked() const { return is("cull", "mask"); }
+    /// Casters, first in the list, whose front faces do.
+    size_t notAboutEye() const { return is("apply", "zpass") ? casters_.notAboutEye() : 0; }
 
     void makePrograms() {
         std::vector<std::string> look = samplingDefines(settings_);
@@ -175,19 +178,20 @@ private:
         const auto& camera = frame_.camera();
         casters_.collect();
         const auto across = GLuint(camera.width + kReceiverTile - 1) / kReceiverTile, down = GLuint(camera.height + kReceiverTile - 1) / kReceiverTile;
-        const GLuint command[4] = {72, 0, 0, 0};
-        command_.update(sizeof command, command);
+        const GLuint commands[8] = {72, 0, 0, 0, 72, 0, 0, 0};
+        commands_.update(sizeof commands, commands);
         tiles_.update(size_t(across) * down * 2 * sizeof(glm::vec4), nullptr);
-        survivors_.update(std::max<size_t>(casters_.size(), 1) * sizeof(uint32_t), nullptr);
+        survivors_.update(2 * casters_.size() * kSurvivorBytes, nullptr);
         bind(receiverTiles_);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, survivors_.name());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, tiles_.name());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, command_.name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, commands_.name());
         glDispatchCompute(across, down, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
         frame_.setView(mask_);
         mask_.set("uCasters", int(casters_.size()));
         mask_.set("uTiles", int(across * down));
+        mask_.set("uNotAboutEye", int(notAboutEye()));
         mask_.use();
         glDispatchCompute(GLuint(casters_.size() + 63) / 64, 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
@@ -223,26 +227,25 @@ private:
         program.set("uFloor", float(casters_.floor()));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, corners_.name());
         glBindVertexArray(array_.name());
+        if (masked()) {
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, survivors_.name());
+            glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
+        }
         const auto draw = [&](bool zPass, size_t first, size_t count) {
             if (count == 0) return;
             // z-fail: back faces that lie behind the scene (smaller depth, as z is reversed), whatever side the eye is on;
             // z-pass: front faces before it.
             glDepthFunc(zPass ? GL_GREATER : GL_LESS);
             glCullFace(zPass ? GL_BACK : GL_FRONT);
-            program.set("uFirstCaster", int(first));
-            if (masked()) {
-                glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, survivors_.name());
-                glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command_.name());
-                glDrawArraysIndirect(GL_TRIANGLES, nullptr);
-            } else {
-                glDrawArraysInstanced(GL_TRIANGLES, 0, 72, GLsizei(count));
-            }
+            // Those about the eye that survive stand in the second half of the list, and have a command of their own.
+            program.set("uFirstCaster", int(masked() && !zPass ? casters_.size() : first));
+            if (masked()) glDrawArraysIndirect(GL_TRIANGLES, reinterpret_cast<const void*>(size_t(zPass ? 0 : 16)));
+            else glDrawArraysInstanced(GL_TRIANGLES, 0, 72, GLsizei(count));
             ++tally.drawCalls;
             tally.trianglesSubmitted += 24 * count;
         };
-        const size_t outside = is("apply", "zpass") ? casters_.notAboutEye() : 0;
-        draw(true, 0, outside);
-        draw(false, outside, casters_.size() - outside);
+        draw(true, 0, notAboutEye());
+        draw(false, notAboutEye(), casters_.size() - notAboutEye());
     }
 
     frame::Frame& frame_;
@@ -253,7 +256,7 @@ private:
     gl::Framebuffer beginTarget_, volumeTarget_;
     gl::Sampler sampler_;
     gl::VertexArray array_;
-    gl::Buffer corners_, survivors_, tiles_, command_;
+    gl::Buffer corners_, survivors_, tiles_, commands_;
     gl::Program begin_, resolve_, count_, receiverTiles_, mask_;
 };
 
