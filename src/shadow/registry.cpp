@@ -61,6 +61,11 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
             {"cull", "frustum"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}};
 }
 
+Settings instancedPreset(const char* own) {
+    return {{"size", "512"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+            {"cull", "frustum"}, {"update", "cached"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}};
+}
+
 const std::vector<TechniqueInfo> kTechniques{
     {"bare", "baseline", "every instance drawn in one forward pass, nothing culled, no shadow: the yardstick", {}},
     {"unshadowed", "baseline", "the suite's frame without any shadow pass: what every shadow's cost is added to", {}},
@@ -69,10 +74,8 @@ const std::vector<TechniqueInfo> kTechniques{
     {"lispsm", "map", "light-space perspective shadow map (Wimmer, Scherzer, Purgathofer 2004)",
      mapPreset("lispsm", "none", "1", "2048")},
     {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024")},
-    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)",
-     {{"size", "512"}, {"rotations", "12"}, {"own", "0"}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zfail"}, {"accumulate", "min"},
-      {"cull", "frustum"}, {"update", "cached"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}},
-     2},
+    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 2},
+    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 2},
 };
 
 template <class Items>
@@ -156,7 +159,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (is("rotations", "1") && !is("mode", "nearest") && !is("mode", "exact")) return "one rotation has no second map to combine: mode nearest";
         if (is("mode", "exact") && !is("rotations", info.defaults.at("rotations").c_str())) return "mode exact has each instance's own rotation";
         if (is("mode", "exact") && !is("sample-frame", info.defaults.at("sample-frame").c_str())) return "mode exact rotates no sample";
-        if (is("mode", "exact") && !is("own", "0")) return "mode exact gives every instance its own map";
+        if (is("mode", "exact") && !is("own", info.defaults.at("own").c_str())) return "mode exact gives every instance its own map";
         const bool volumes = !is("apply", "tiled") && !is("apply", "all");
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
