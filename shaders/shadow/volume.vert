@@ -10,6 +10,7 @@ layout(std430, binding = 0) restrict readonly buffer Corners { vec4 corners[]; }
 layout(std430, binding = 1) restrict readonly buffer Faces { Face faces[]; };
 layout(std430, binding = 2) restrict readonly buffer Edges { uvec4 edges[]; };  // from, to, face that runs so, face that runs back
 uniform mat4 uClipFromRelative;
+invariant gl_Position;  // as in the G-buffer
 uniform vec3 uLight;
 uniform int uFirstFace, uFaces, uFirstEdge;
 uniform float uTop;        // of the prototype, metres

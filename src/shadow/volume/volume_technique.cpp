@@ -12,6 +12,11 @@
 namespace dapple::shadow {
 namespace {
 
+/// How far volumes lie behind what they are made of, in steps of the depth buffer at a triangle's nearest point: 1e-6 of the
+/// distance. A triangle that the near plane cuts is cut in the G-buffer but not here, where depth is clamped, and comes out
+/// a few steps off: with 4 steps, no pixel of a cut box was wrong; with 2, hundreds were.
+constexpr float kDepthSteps = 8;
+
 class VolumeTechnique final : public Technique {
 public:
     VolumeTechnique(frame::Frame& frame, const Settings& settings)
@@ -87,6 +92,8 @@ private:
         glDepthMask(GL_FALSE);
         // Behind the scene is at smaller or equal depth, as z is reversed. At equal depth stands a lit surface with the cap of
         // its own volume: counted as behind, the cap cancels what lies farther back, and the surface is lit.
+        glEnable(GL_POLYGON_OFFSET_FILL);
+        glPolygonOffset(0, -kDepthSteps);
         if (sums_) {
             const float zero[4] = {0, 0, 0, 0};
             glClearBufferfv(GL_COLOR, 0, zero);
