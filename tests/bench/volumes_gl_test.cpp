@@ -172,6 +172,10 @@ TEST(StencilVolumes, RefuseOpenCasters) {
     EXPECT_FALSE(shadow::pruneReason(info, info.defaults, closed.facts(), {}));
     EXPECT_FALSE(shadow::pruneReason(info, info.defaults, load("empty").facts(), {}));
     EXPECT_THROW(judge(open), base::UsageError);  // whoever does not ask
+    scenegen::Facts holes = closed.facts();
+    holes.alphaTested = true;
+    EXPECT_TRUE(shadow::pruneReason(info, info.defaults, holes, {}));
+    EXPECT_TRUE(shadow::pruneReason(info, shadow::resolve(info, {{"cull", "mask"}}), closed.facts(), {}));
 }
 
 TEST(StencilVolumes, OverdrawCountsEachFragmentOfTheVolume) {

@@ -51,9 +51,15 @@ public:
 
     std::vector<frame::Pass> passes() override {
         const std::string leftOut = faces_.name() ? "" : "the scene has no caster";
-        return {{"begin", {"gbuffer", "depth"}, {"visibility", "depth-copy"}, "lit where the surface faces the sun; depth with a stencil", "",
-                 [this](measure::Ledger& tally) { start_.record(tally); }},
-                {"volumes", {"depth", "depth-copy"}, {"count"}, "shadow volumes that begin and end behind each pixel", leftOut,
+        const std::string depth = sums_ ? "depth" : "depth-copy";
+        frame::Pass begin{"begin", {"gbuffer", "depth"}, {"visibility"}, "lit where the surface faces the sun", "",
+                          [this](measure::Ledger& tally) { start_.record(tally); }};
+        if (!sums_) {
+            begin.writes.push_back(depth);
+            begin.why += "; depth with a stencil";
+        }
+        return {begin,
+                {"volumes", {depth}, {"count"}, "shadow volumes that begin and end behind each pixel", leftOut,
                  [this](measure::Ledger& tally) { countVolumes(tally); }},
                 {"dark", {"visibility", "count"}, {"visibility"}, "dark where a volume holds the pixel", leftOut,
                  [this](measure::Ledger& tally) { darken(tally); }}};
