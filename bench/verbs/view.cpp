@@ -44,10 +44,13 @@ bool tapped(GLFWwindow* window, int key, bool& held) {
 
 void show(const std::string& sceneName, const std::string& firstTechnique, int frames) {
     constexpr int kWidth = 1280, kHeight = 800;
-    size_t technique = 0;
-    const auto all = shadow::techniques();
-    while (all[technique].name != shadow::technique(firstTechnique).name) ++technique;
     const scenegen::Scene scene = scenegen::loadScene(sceneName);
+    const auto refusal = [facts = scene.facts()](const shadow::TechniqueInfo& info) { return shadow::pruneReason(info, info.defaults, facts, {}); };
+    if (const auto reason = refusal(shadow::technique(firstTechnique))) throw base::UsageError(fmt::format("{}: {}", firstTechnique, *reason));
+    std::vector<shadow::TechniqueInfo> all;
+    std::ranges::copy_if(shadow::techniques(), std::back_inserter(all), [&](const auto& info) { return !refusal(info); });
+    size_t technique = 0;
+    while (all[technique].name != firstTechnique) ++technique;
     const gl::Context context = gl::Context::window(kWidth, kHeight, "dapple view");
     GLFWwindow* window = context.handle();
     glfwSwapInterval(1);

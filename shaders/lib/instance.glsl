@@ -6,7 +6,8 @@ layout(location = 4) in vec2 aCosSinYaw;
 uniform vec4 uGrid;                        // origin and step of the grid
 
 vec3 rotateYaw(vec3 p, vec2 cosSin) { return vec3(cosSin.x * p.x - cosSin.y * p.y, cosSin.y * p.x + cosSin.x * p.y, p.z); }
-vec3 instancePosition() { return aInstance.xyz + aInstance.w * rotateYaw(uGrid.xyz + uGrid.w * aPosition, aCosSinYaw); }
+vec3 placed(vec3 p) { return aInstance.xyz + aInstance.w * rotateYaw(p, aCosSinYaw); }
+vec3 instancePosition() { return placed(uGrid.xyz + uGrid.w * aPosition); }
 /// The unit vector of gpuscene::octahedral(); 0 for what lies outside its square.
 vec3 unpackOctahedral(vec2 o) {
     if (o.x > 1.5) return vec3(0.0);

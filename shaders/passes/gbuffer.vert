@@ -5,6 +5,7 @@ layout(location = 2) in vec2 aUv;
 out vec2 vUv;
 #endif
 uniform mat4 uClipFromRelative;
+invariant gl_Position;  // the caps of shadow volumes must come out at the same depth
 out vec3 vPosition;  // relative to the eye
 out vec3 vNormal;
 

@@ -7,6 +7,8 @@ namespace dapple::shadow {
 
 std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings);
 std::unique_ptr<Technique> makeInstanced(frame::Frame& frame, const Settings& settings);
+/// Throws UsageError when a casting prototype is not closed.
+std::unique_ptr<Technique> makeVolume(frame::Frame& frame, const Settings& settings);
 
 /// Draws a list's casters, opaque then alpha-tested, with the light's matrix. `alpha` may be empty where the
 /// scene has no alpha-tested mesh, `opaque` where it has nothing else.

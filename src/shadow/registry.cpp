@@ -52,6 +52,9 @@ const std::vector<Axis> kAxes{
       {"all", "one pass asks every caster at every pixel: the baseline before bounding volumes"}}},
     {"accumulate", "how several shadows on one pixel add up",
      {{"min", "the darkest"}, {"multiply", "their product (blending that dims)"}, {"stencil", "the first one; a stencil bit stops the rest"}}},
+    {"count", "what the shadow volumes about a pixel are counted in",
+     {{"stencil", "8 bits that wrap: 256 volumes over one another read as none"},
+      {"sum", "32-bit floats, by additive blending: exact to 2^24 volumes"}}},
     {"update", "when maps are rendered",
      {{"cached", "once; nothing that they depend on changes"}, {"regenerate", "every frame"}}},
 };
@@ -76,6 +79,8 @@ const std::vector<TechniqueInfo> kTechniques{
     {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024")},
     {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 2},
     {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 2},
+    {"stencil-volumes", "volume", "shadow volumes of the casters' silhouettes, counted behind the scene (Crow 1977; Everitt & Kilgard 2002)",
+     {{"count", "stencil"}, {"cull", "frustum"}}},
 };
 
 template <class Items>
@@ -136,7 +141,7 @@ Settings resolve(const TechniqueInfo& info, const Settings& overrides) {
     return settings;
 }
 
-std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings& settings, const scenegen::Facts&,
+std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings& settings, const scenegen::Facts& facts,
                                        const Limits& limits) {
     const auto is = [&](const char* axisName, const char* value) {
         const auto it = settings.find(axisName);
@@ -144,6 +149,12 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
     };
     const auto number = [&](const char* axisName) { return std::stol(settings.at(axisName)); };
     if (info.family == "baseline") return std::nullopt;
+    if (info.family == "volume") {
+        if (facts.casters && !facts.closed) return "silhouettes need closed casters; this scene has open ones, as foliage of single leaves is";
+        if (facts.alphaTested) return "silhouettes follow triangles, not what an alpha test leaves of them";
+        if (is("cull", "mask")) return "receiver masks are for the volumes of instanced maps; silhouettes are culled by frustum";
+        return std::nullopt;
+    }
     if (number("size") > limits.maxTextureSize)
         return fmt::format("size {} is beyond this GL's limit of {} texels", number("size"), limits.maxTextureSize);
     if (info.family == "map") {

@@ -30,7 +30,7 @@ struct Axis {
 /// A named technique: a family, the axes it has and their defaults (its preset).
 struct TechniqueInfo {
     std::string name;
-    std::string family;       ///< baseline, map, instanced
+    std::string family;       ///< baseline, map, instanced, volume
     std::string description;  ///< with the paper
     Settings defaults;        ///< exactly the axes that the technique has
     int version = 1;          ///< raised when its pixels or passes are redefined; part of every point's id

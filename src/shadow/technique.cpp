@@ -38,6 +38,7 @@ void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list
 std::unique_ptr<Technique> makeTechnique(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings) {
     if (info.family == "map") return makeMap(frame, settings);
     if (info.family == "instanced") return makeInstanced(frame, settings);
+    if (info.family == "volume") return makeVolume(frame, settings);
     throw std::logic_error("no maker for family " + info.family);
 }
 

@@ -29,7 +29,14 @@ PointSpec spec(const std::string& scene, const std::string& technique, shadow::S
     s.settings = shadow::resolve(info, axes);
     s.width = 160;
     s.height = 120;
-    s.view = workbench().sceneFacts(scene, {}, stress).views.front();
+    SceneFacts facts = workbench().sceneFacts(scene, {}, stress);
+    // What refuses open casters gets them closed: the same forest with leaves that have a thickness.
+    if (scene == "forest-small" && shadow::pruneReason(info, s.settings, facts.facts, workbench().limits())) {
+        s.sceneSettings = {"species.0.leaves=solid", "species.1.leaves=solid"};
+        facts = workbench().sceneFacts(scene, s.sceneSettings, stress);
+        EXPECT_FALSE(shadow::pruneReason(info, s.settings, facts.facts, workbench().limits()));
+    }
+    s.view = facts.views.front();
     return s;
 }
 
@@ -119,6 +126,12 @@ double metric(const PointSpec& s, const std::string& wanted) {
 TEST_P(EveryTechnique, ConvergesToTheReference) {
     if (shadow::technique(name()).family == "baseline") GTEST_SKIP() << "no shadow";
     for (const char* scene : {"box", "sphere"}) {
+        if (!shadow::technique(name()).defaults.contains("size")) {  // nothing to refine: it is there
+            PointSpec s = spec(scene, name());
+            s.width = 320, s.height = 240;
+            EXPECT_LE(metric(s, "error"), metric(s, "reference_floor")) << scene;
+            continue;
+        }
         PointSpec coarse = spec(scene, name(), {{"size", "64"}}), middle = spec(scene, name(), {{"size", "512"}}),
                   fine = spec(scene, name(), {{"size", "4096"}});
         for (PointSpec* s : {&coarse, &middle, &fine}) s->width = 320, s->height = 240;

@@ -1,6 +1,5 @@
 #include "shadow/instanced/caster_list.h"
 
-#include "shadow/instanced/volume.h"
 #include "shadow/map/caster_cull.h"
 
 #include <algorithm>
@@ -75,13 +74,7 @@ void CasterList::collect() {
     const frame::Camera& camera = frame_.camera();
     const base::DBox sceneBox = frame_.relativeSceneBox();
     const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
-    double farthest = -1e300, nearest = 1e300;
-    for (int corner = 0; corner < 8; ++corner) {
-        farthest = std::max(farthest, glm::dot(sceneBox.corner(corner), frame_.light()));
-        nearest = std::min(nearest, glm::dot(sceneBox.corner(corner), frame_.light()));
-    }
-    extrusion_ = farthest - nearest;
-    floor_ = sceneBox.empty() ? 0 : sceneBox.lo.z - 1e-3 * glm::length(sceneBox.size());
+    extrusion_ = extrusionFor(sceneBox, frame_.light());
     const CasterCull cull(maps_.basis(), camera, body, 1e-3 * glm::length(sceneBox.size()));
     casters_.clear();
     for (uint32_t i = 0; i < scene.instanceBoxes().size(); ++i)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "shadow/instanced/caster_maps.h"
+#include "shadow/instanced/volume.h"
 
 namespace dapple::shadow {
 
@@ -17,8 +18,7 @@ public:
     size_t size() const { return casters_.size(); }
     /// So many stand first in the list whose volumes do not hold the eye, nor reach the near plane.
     size_t notAboutEye() const { return notAboutEye_; }
-    double extrusion() const { return extrusion_; }  ///< metres: every volume so long ends behind the whole scene
-    double floor() const { return floor_; }          ///< height of the lowest receiver, relative to the eye
+    const Extrusion& extrusion() const { return extrusion_; }
 
 private:
     struct GpuCaster {
@@ -39,7 +39,7 @@ private:
     const CasterMaps& maps_;
     std::vector<GpuCaster> casters_;
     size_t notAboutEye_ = 0;
-    double extrusion_ = 0, floor_ = 0;
+    Extrusion extrusion_;
     int mapsVersion_ = -1;  ///< that types and windows on the GPU have
     gl::Buffer casterBuffer_, typeBuffer_, windowBuffer_;
 };

@@ -4,6 +4,7 @@
 
 #include "shadow/instanced/caster_list.h"
 #include "shadow/instanced/volume.h"
+#include "shadow/lit_start.h"
 
 #include <fmt/format.h>
 
@@ -17,9 +18,11 @@ constexpr int kTile = 16;          ///< of instanced_tiled.comp
 class InstancedTechnique final : public Technique {
 public:
     InstancedTechnique(frame::Frame& frame, const Settings& settings)
-        : frame_(frame), settings_(settings), maps_(frame, settings), casters_(frame, maps_) {
+        : frame_(frame), settings_(settings), maps_(frame, settings), casters_(frame, maps_),
+          start_(frame, is("accumulate", "stencil") ? LitStart::Depth::withStencil : LitStart::Depth::readable) {
         makePrograms();
-        makeTargets();
+        const gl::Texture* visibility[] = {&frame_.visibility()};
+        volumeTarget_ = gl::makeFramebuffer(visibility, is("accumulate", "stencil") ? &start_.depth() : &frame_.depth());
         if (!is("update", "cached") || maps_.types().empty()) return;
         measure::Ledger ignored;
         gl::resetState();
@@ -48,7 +51,7 @@ public:
             passes.push_back({"all", {"gbuffer", "depth", "maps"}, {"visibility"}, "each pixel asks every caster", "", [this](Ledger& tally) { resolveAll(tally); }});
         } else {
             passes.push_back({"begin", {"gbuffer", "depth"}, {"visibility", "depth-copy"}, "lit where the surface faces the sun; depth to read", "",
-                              [this](Ledger& tally) { begin(tally); }});
+                              [this](Ledger& tally) { start_.record(tally); }});
             if (masked())
                 passes.push_back({"mask", {"gbuffer", "depth"}, {"survivors"}, "which instances' shadow volumes meet a visible receiver", leftOut,
                                   [this](Ledger& tally) { mask(tally); }});
@@ -90,7 +93,6 @@ private:
         std::vector<std::string> volume = look;
         if (is("apply", "skip")) volume.push_back("SKIP_TEST");
         if (masked()) volume.push_back("MASKED");
-        begin_ = gl::Program("passes/fullscreen.vert", "shadow/instanced_begin.frag", is("accumulate", "stencil") ? std::vector<std::string>{"OWN_DEPTH"} : std::vector<std::string>{});
         if (is("apply", "tiled")) {
             resolve_ = gl::Program::compute("shadow/instanced_tiled.comp", look);
         } else if (is("apply", "all")) {
@@ -107,37 +109,6 @@ private:
         array_ = gl::makeVertexArray();
         const bool linear = !is("filter", "nearest");
         sampler_ = gl::makeSampler({GLenum(linear ? GL_LINEAR : GL_NEAREST), false, GL_CLAMP_TO_BORDER, !is("mode", "depth")});
-    }
-
-    void makeTargets() {
-        const auto& camera = frame_.camera();
-        const gl::Texture* visibility[] = {&frame_.visibility()};
-        if (is("accumulate", "stencil")) {
-            ownDepth_ = gl::Texture(GL_DEPTH32F_STENCIL8, camera.width, camera.height);
-            beginTarget_ = gl::makeFramebuffer(visibility, &ownDepth_);
-            volumeTarget_ = gl::makeFramebuffer(visibility, &ownDepth_);
-        } else {
-            ownDepth_ = gl::Texture(GL_R32F, camera.width, camera.height);
-            const gl::Texture* both[] = {&frame_.visibility(), &ownDepth_};
-            beginTarget_ = gl::makeFramebuffer(both, nullptr);
-            volumeTarget_ = gl::makeFramebuffer(visibility, &frame_.depth());
-        }
-    }
-
-    void begin(measure::Ledger& tally) {
-        glBindFramebuffer(GL_FRAMEBUFFER, beginTarget_.name());
-        glViewport(0, 0, frame_.camera().width, frame_.camera().height);
-        if (is("accumulate", "stencil")) {
-            glEnable(GL_DEPTH_TEST);
-            glDepthFunc(GL_ALWAYS);
-            const GLint zero = 0;
-            glClearBufferiv(GL_STENCIL, 0, &zero);
-        }
-        frame_.setView(begin_);
-        begin_.use();
-        frame_.bindGeometry();
-        frame_.drawFullscreen();
-        ++tally.drawCalls;
     }
 
     /// Everything that a look-up reads.
@@ -222,9 +193,9 @@ private:
         glEnable(GL_DEPTH_CLAMP);
         glEnable(GL_CULL_FACE);
         bind(program);
-        if (!is("accumulate", "stencil")) glBindTextureUnit(2, ownDepth_.name());
-        program.set("uExtrusion", float(casters_.extrusion()));
-        program.set("uFloor", float(casters_.floor()));
+        if (!is("accumulate", "stencil")) glBindTextureUnit(2, start_.depth().name());
+        program.set("uExtrusion", float(casters_.extrusion().most));
+        program.set("uFloor", float(casters_.extrusion().floor));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, corners_.name());
         glBindVertexArray(array_.name());
         if (masked()) {
@@ -252,12 +223,12 @@ private:
     Settings settings_;
     CasterMaps maps_;
     CasterList casters_;
-    gl::Texture ownDepth_;  ///< a copy to read, or with a stencil to test against
-    gl::Framebuffer beginTarget_, volumeTarget_;
+    LitStart start_;
+    gl::Framebuffer volumeTarget_;
     gl::Sampler sampler_;
     gl::VertexArray array_;
     gl::Buffer corners_, survivors_, tiles_, commands_;
-    gl::Program begin_, resolve_, count_, receiverTiles_, mask_;
+    gl::Program resolve_, count_, receiverTiles_, mask_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "shadow/instanced/volume.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -23,6 +24,16 @@ std::array<uint32_t, 72> boxShadowVolume() {
         for (size_t i = 0; i < 6; ++i) corners[q * 6 + i] = quads[q][order[i]];
     }
     return corners;
+}
+
+Extrusion extrusionFor(const base::DBox& sceneBox, const glm::dvec3& light) {
+    if (sceneBox.empty()) return {};
+    double farthest = -1e300, nearest = 1e300;
+    for (int corner = 0; corner < 8; ++corner) {
+        farthest = std::max(farthest, glm::dot(sceneBox.corner(corner), light));
+        nearest = std::min(nearest, glm::dot(sceneBox.corner(corner), light));
+    }
+    return {farthest - nearest, sceneBox.lo.z - 1e-3 * glm::length(sceneBox.size())};
 }
 
 RotationSample sampleRotation(double yaw, int count) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/math.h"
+
 #include <array>
 #include <cstdint>
 
@@ -11,6 +13,14 @@ namespace dapple::shadow {
 /// Bits 0…2 of an entry pick the corner (1 = the side the light travels to), bit 3 says moved.
 /// Counter-clockwise seen from outside.
 std::array<uint32_t, 72> boxShadowVolume();
+
+/// How far shadow volumes are extruded, so that they end behind every receiver.
+struct Extrusion {
+    double most = 0;   ///< metres along the light: enough for every caster
+    double floor = 0;  ///< height below which there is no receiver; a caster is extruded no farther than it takes to get there
+};
+/// `sceneBox`: relative to the eye, as the floor is; `light`: unit.
+Extrusion extrusionFor(const base::DBox& sceneBox, const glm::dvec3& light);
 
 /// The two maps about a yaw and the weight of the second: maps stand at φ_k = 2πk/count.
 struct RotationSample {

@@ -1,5 +1,5 @@
-// Start of the visibility image: lit where the surface faces the sun. Copies depth, because the volumes test
-// against the depth buffer that they would otherwise have to read.
+// Start of the visibility image: lit where the surface faces the sun. Copies depth: volumes that test against the depth
+// buffer cannot read it, and those that count in a stencil need one beside it.
 #include "lib/gbuffer.glsl"
 layout(binding = 1) uniform usampler2D uSurface;
 layout(binding = 2) uniform sampler2D uDepth;
