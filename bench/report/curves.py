@@ -116,7 +116,7 @@ def drawCurves(run, points, stem):
     figure.subplots_adjust(left=0.8 / width, right=1 - 1.5 / width, bottom=bottom + 0.5 / height, top=top - 0.25 / height,
                            wspace=0.08, hspace=0.2)
     for row, key in enumerate(rows):
-        here = measured[(measured[keys] == key).all(axis=1)]
+        here = measured[(measured[keys] == key).all(axis=1)] if keys else measured
         for column, value in enumerate(columns):
             axes = panels[row][column]
             axes.set_yscale("log")

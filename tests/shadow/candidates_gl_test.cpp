@@ -11,16 +11,15 @@
 namespace dapple::shadow {
 namespace {
 
-/// Boxes, grown by `margin` metres on each side, that the ray from `p` toward the sun meets. All in metres from the origin.
-int boxesTowardsSun(const scenegen::Scene& scene, const glm::dvec3& p, const glm::dvec3& light, double margin) {
+/// Boxes of instances, given by prototype and grown by `margin` metres on each side, that the ray from `p` toward the sun meets. All in metres from the origin.
+int boxesTowardsSun(const scenegen::Scene& scene, const std::vector<base::Box>& boxes, const glm::dvec3& p, const glm::dvec3& light, double margin) {
     int count = 0;
     for (const scenegen::Instance& instance : scene.instances) {
-        const scenegen::Prototype& prototype = scene.prototypes[instance.prototype];
-        if (!prototype.castsShadow) continue;
+        if (!scene.prototypes[instance.prototype].castsShadow) continue;
         const double c = std::cos(double(instance.yaw)), s = std::sin(double(instance.yaw)), scale = double(instance.scale);
         const auto turnBack = [&](const glm::dvec3& v) { return glm::dvec3(c * v.x + s * v.y, c * v.y - s * v.x, v.z); };
         const glm::dvec3 q = turnBack(p - glm::dvec3(instance.translation)), ray = -turnBack(light);
-        const base::Box box = prototype.box();
+        const base::Box& box = boxes[instance.prototype];
         const glm::dvec3 lo = glm::dvec3(box.lo) * scale - margin, hi = glm::dvec3(box.hi) * scale + margin;
         double enter = 0, leave = 1e300;
         for (int k = 0; k < 3; ++k) {
@@ -46,6 +45,9 @@ protected:
 };
 
 TEST_F(Candidates, AreThePixelsWhoseReceiverAVolumeHolds) {
+    std::vector<base::Box> boxes;
+    for (const scenegen::Prototype& prototype : scene_.prototypes) boxes.push_back(prototype.box());
+    size_t inside = 0, outside = 0;
     for (const char* view : {"above", "walk1"}) {
         SCOPED_TRACE(view);
         frame::Frame frame(gpu_, scene_.views[scene_.viewIndex(view)], 120, 90);
@@ -56,7 +58,6 @@ TEST_F(Candidates, AreThePixelsWhoseReceiverAVolumeHolds) {
         const std::vector<uint8_t> validity = frame.readValidity();
         // A box is padded by some texels of its map; receivers are exact to float. 256 texels span at most 2 x 6 m.
         const double padding = 0.25;
-        size_t inside = 0, outside = 0;
         for (size_t i = 0; i < volumes.texels.size(); ++i) {
             const auto n = int(volumes.texels[i]);
             if (!receivers.present[i]) {
@@ -64,22 +65,22 @@ TEST_F(Candidates, AreThePixelsWhoseReceiverAVolumeHolds) {
                 continue;
             }
             const glm::dvec3 p = glm::dvec3(receivers.position[i]) + frame.camera().eye;
-            ASSERT_GE(n, boxesTowardsSun(scene_, p, frame.light(), -1e-3)) << i;
-            ASSERT_LE(n, boxesTowardsSun(scene_, p, frame.light(), padding)) << i;
+            ASSERT_GE(n, boxesTowardsSun(scene_, boxes, p, frame.light(), -1e-3)) << i;
+            ASSERT_LE(n, boxesTowardsSun(scene_, boxes, p, frame.light(), padding)) << i;
             // What no volume holds, no map can darken.
-            if (n == 0 && validity[i]) ASSERT_EQ(visibility[i], 1) << i;
+            ASSERT_TRUE(n > 0 || !validity[i] || visibility[i] == 1) << i;
             ++(n > 0 ? inside : outside);
         }
-        EXPECT_GT(inside, 500u);
-        EXPECT_GT(outside, 100u);
     }
+    EXPECT_GT(inside, 5000u);
+    EXPECT_GT(outside, 500u);
 }
 
 TEST_F(Candidates, DoNotDependOnHowTheMapsAreApplied) {
     frame::Frame frame(gpu_, scene_.views.front(), 120, 90);
     const std::vector<float> usual = make(frame, {}).candidates().value().texels;
     for (const Settings& way : {Settings{{"apply", "zpass"}}, Settings{{"apply", "skip"}}, Settings{{"accumulate", "stencil"}}, Settings{{"accumulate", "multiply"}},
-                                Settings{{"cull", "mask"}}, Settings{{"mode", "nearest"}}, Settings{{"mode", "exact"}}}) {
+                                Settings{{"cull", "mask"}}, Settings{{"mode", "nearest"}}}) {
         std::string name;
         for (const auto& [axis, value] : way) name += axis + "=" + value;
         const std::vector<float> other = make(frame, way).candidates().value().texels;
