@@ -35,7 +35,7 @@ int boxesTowardsSun(const scenegen::Scene& scene, const std::vector<base::Box>& 
 class Candidates : public testing::Test {
 protected:
     gl::Context context_ = gl::Context::headless(-1);
-    scenegen::Scene scene_ = scenegen::loadScene("forest-small", {"sun.elevation=30"});
+    scenegen::Scene scene_ = scenegen::loadScene("forest-small", {"sun.elevation=60"});
     gpuscene::GpuScene gpu_{scene_};
 
     static Renderer make(frame::Frame& frame, Settings axes) {
