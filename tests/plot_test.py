@@ -256,6 +256,16 @@ def testCurves(top):
     check("variants of one number make an axis with its name", {"10", "45", "80", "sun.elevation"} <= set(texts) and not done.stderr,
           (texts, done.stderr))
     check("the sweep's metric is the one drawn", "Mean error by sun.elevation: forest-small · 1024×768 · near" in texts, texts)
+    run = FakeRun()
+    for name in ("oak", "fir"):
+        run.add("instanced", 20.0, 0.1, variant=f"species.0.name={name}; species.1.name={name}")
+    folder = run.write(top / "crowns", {"x": "variant"})
+    plot(folder)
+    svg = folder / "error_by_variant_forest-small_1024x768.svg"
+    texts = re.findall(r"<!-- (.*?) -->", svg.read_text()) if svg.exists() else []
+    check("variants of the same keys are named by what they set, in the sweep's order",
+          [t for t in texts if t in ("oak", "fir")] == ["oak", "fir"] and "species.0.name, species.1.name" in texts, texts)
+    check("memory that does not vary is not drawn", "maps, MiB" not in texts, texts)
     failed = plot(rotations().write(top / "strange", {"x": "size"}))
     check("a plot over what the run does not vary is refused", failed.returncode == 4 and "no axis of this run" in failed.stderr, failed.stderr)
 

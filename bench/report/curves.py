@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
 from figure import COLOURS, MARKERS, MUTED, addTexts, save
-from results import BASELINES, naturalOrder
+from results import BASELINES
 from work_precision import describeLost, plainTicks
 
 PANEL_SIZE = (4.2, 3.4)  # inches
@@ -15,17 +15,18 @@ MEMORY_HEIGHT = 1.6
 # metric → (title, name of its axis)
 NAMES = {"error": ("Error", "error: share of wrong pixels"),
          "mean_absolute": ("Mean error", "mean |visibility − truth|")}
-LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic
+LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic; those of scenes, as an angle is, never are
 
 
 def positions(values, name):
     """(position by value, label by value, name of the axis): numbers where they are, other values one after the other.
-    Values "key=…" of one key stand for what follows the sign."""
+    Variants that set the same keys stand for what they set them to."""
     shown = {value: value or "as it is" for value in values}
-    keys = {value.split("=")[0] for value in values}
-    if all(value.count("=") == 1 for value in values) and len(keys) == 1:
-        name = keys.pop()
-        shown = {value: value.split("=")[1] for value in values}
+    settings = {value: dict(item.split("=", 1) for item in value.split("; ") if "=" in item) for value in values}
+    keys = {tuple(found) for found in settings.values()}
+    if len(keys) == 1 and keys != {()}:
+        name = ", ".join(*keys)
+        shown = {value: ", ".join(dict.fromkeys(found.values())) for value, found in settings.items()}
     numeric = pandas.to_numeric(pandas.Series(shown), errors="coerce")
     if numeric.isna().any():
         return {value: float(i) for i, value in enumerate(shown)}, shown, name
@@ -46,7 +47,7 @@ def split(points, request, axes):
         varying = [a for a in others if points[points.technique == technique][a].nunique() > 1]
         words = [technique if points.technique.nunique() > 1 else "", column if level else ""]
         for index, row in own.iterrows():
-            shown = words if level else words[:1] + [row[a] for a in varying]
+            shown = words if level else words[:1] + [f"{a} {row[a]}" if row[a].isdigit() else row[a] for a in varying]
             points.loc[index, "line"] = " ".join(filter(None, shown)) or technique
     points.loc[points.level, "column"] = ""
     return points
@@ -68,9 +69,9 @@ def drawPanel(axes, points, x, place, styles, figure, zeroAt=None):
         axes.plot(at[zero], values[zero], linestyle="none", marker=11, markersize=8, color=colour, zorder=4)
 
 
-def styleX(axes, place, shown):
+def styleX(axes, place, shown, logarithmic):
     where = sorted(place.values())
-    if where[0] > 0 and where[-1] / where[0] >= LOG_RANGE:
+    if logarithmic and where[0] > 0 and where[-1] / where[0] >= LOG_RANGE:
         axes.set_xscale("log")
     axes.xaxis.set_major_locator(FixedLocator(where))
     axes.xaxis.set_minor_locator(NullLocator())
@@ -91,7 +92,7 @@ def drawCurves(run, points, stem):
     if not len(measured):
         return []
     along = measured[~measured.level] if not measured.level.all() else measured
-    place, shown, name = positions(sorted(dict.fromkeys(along[x]), key=naturalOrder), x)
+    place, shown, name = positions(list(dict.fromkeys(along[x])), x)
     places = [key for key in ("variant", "view", "stress") if key not in (x, run.plot["columns"])]
     keys = [key for key in places if measured[key].nunique() > 1]
     common = [measured[key].iloc[0] for key in places if key not in keys]
@@ -100,7 +101,7 @@ def drawCurves(run, points, stem):
     # Lines that vary first, so that their colours do not depend on how many levels there are.
     lines = list(dict.fromkeys([*along.line, *measured.line]))
     styles = {line: (COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]) for i, line in enumerate(lines)}
-    memory = measured[measured.texture_bytes > 0].assign(mib=measured.texture_bytes / 2**20)
+    memory = measured[(measured.texture_bytes > 0) & (measured.texture_bytes.nunique() > 1)].assign(mib=measured.texture_bytes / 2**20)
     notes = describeLost(points[points.state != "pruned"])
     positive = measured.loc[measured[y] > 0, y]
     zeroAt = positive.min() / 2 if len(positive) else 1e-6
@@ -121,7 +122,7 @@ def drawCurves(run, points, stem):
             axes = panels[row][column]
             axes.set_yscale("log")
             drawPanel(axes, here[(here.column == value) | (here.column == "")], x, place, styles, y, zeroAt)
-            styleX(axes, place, shown)
+            styleX(axes, place, shown, name == x)
             heading = [*(text for text in key if text), f"{run.plot['columns']} {value}" if value else ""]
             axes.set_title(" · ".join(filter(None, heading)), fontsize=9, loc="left")
         panels[row][0].set_ylabel(yName)
@@ -129,7 +130,7 @@ def drawCurves(run, points, stem):
         axes = panels[-1][column]
         axes.set_yscale("log")
         drawPanel(axes, memory[(memory.column == value) | (memory.column == "")], x, place, styles, "mib")
-        styleX(axes, place, shown)
+        styleX(axes, place, shown, name == x)
         plainTicks(axes.yaxis, lambda number: f"{number:g}")
     if len(memory):
         panels[-1][0].set_ylabel("maps, MiB")
