@@ -101,7 +101,8 @@ def drawCurves(run, points, stem):
     # Lines that vary first, so that their colours do not depend on how many levels there are.
     lines = list(dict.fromkeys([*along.line, *measured.line]))
     styles = {line: (COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]) for i, line in enumerate(lines)}
-    memory = measured[(measured.texture_bytes > 0) & (measured.texture_bytes.nunique() > 1)].assign(mib=measured.texture_bytes / 2**20)
+    memory = measured[(measured.texture_bytes > 0) & (measured.texture_bytes.nunique() > 1)].copy()
+    memory["mib"] = memory.texture_bytes / 2**20
     notes = describeLost(points[points.state != "pruned"])
     positive = measured.loc[measured[y] > 0, y]
     zeroAt = positive.min() / 2 if len(positive) else 1e-6
@@ -113,7 +114,7 @@ def drawCurves(run, points, stem):
     figure, panels = plt.subplots(len(rows) + bool(len(memory)), len(columns), figsize=(width, height), squeeze=False, sharex=True,
                                   height_ratios=[PANEL_SIZE[1]] * len(rows) + [MEMORY_HEIGHT] * bool(len(memory)), sharey="row")
     title, yName = NAMES.get(y, (y, y))
-    bottom, top = addTexts(figure, " · ".join(filter(None, [f"{title} by {name}: {points.place.iloc[0]}", *common])), run.machine, notes, int(width * 15))
+    bottom, top = addTexts(figure, " · ".join(filter(None, [f"{title} by {x if ',' in name else name}: {points.place.iloc[0]}", *common])), run.machine, notes, int(width * 15))
     figure.subplots_adjust(left=0.8 / width, right=1 - 1.5 / width, bottom=bottom + 0.5 / height, top=top - 0.25 / height,
                            wspace=0.08, hspace=0.2)
     for row, key in enumerate(rows):
