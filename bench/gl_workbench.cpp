@@ -107,6 +107,8 @@ public:
         figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
         if (renderer_.hasVisibility()) appendOverdraw(figures);
+        if (const auto volumes = renderer_.candidates())
+            figures.push_back(figure("", "candidates", double(std::count_if(volumes->texels.begin(), volumes->texels.end(), [](float n) { return n > 0; }))));
         return figures;
     }
 

@@ -16,11 +16,12 @@ namespace {
 
 using nlohmann::json;
 
-const std::array<PictureKind, 7> kKinds{{{"shaded", "the lit picture"},
+const std::array<PictureKind, 8> kKinds{{{"shaded", "the lit picture"},
                                          {"visibility", "the technique's visibility image V"},
                                          {"reference", "ray-traced truth: lit, shadowed, ambiguous, excluded"},
                                          {"error", "V against the truth: false shadow red, false light blue"},
                                          {"overdraw", "fragments per pixel"},
+                                         {"candidates", "pixels inside the casters' shadow volumes: lit green, in shadow red"},
                                          {"depth", "distance along the view"},
                                          {"map", "the shadow map, or all maps side by side"}}};
 
@@ -120,6 +121,11 @@ void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::str
     } else if (what == "overdraw") {
         values = renderer.overdraw();
         picture = frame::paintOverdraw(values);
+    } else if (what == "candidates") {
+        const auto volumes = renderer.candidates();
+        if (!volumes) throw base::UsageError(fmt::format("technique {} finds no candidate pixels with these settings: it draws no shadow volumes", spec.technique));
+        values = *volumes;
+        picture = frame::paintCandidates(frame.readShaded(), values, renderer.visibility());
     } else if (what == "depth") {
         values = frame.readChannel(frame.depth());
         picture = frame::paintDepth(values, frame.camera());

@@ -43,7 +43,7 @@ PointFilter::PointFilter(const std::vector<std::string>& patterns) {
 }
 
 bool PointFilter::accepts(const PointSpec& spec) const {
-    const std::string text = fmt::format("{} {} {} {}", spec.scene, pointText(spec), spec.view, spec.stressCase);
+    const std::string text = fmt::format("{} {} {} {} {}", spec.scene, pointText(spec), spec.view, spec.stressCase, spec.variant);
     return std::all_of(patterns_.begin(), patterns_.end(), [&](const std::regex& p) { return std::regex_search(text, p); });
 }
 
@@ -75,7 +75,7 @@ std::vector<Comparison> Plan::comparisons() const {
     for (size_t i = 0; i < points.size(); ++i) {
         if (!points[i].prunedBecause.empty()) continue;
         const PointSpec& spec = points[i].spec;
-        if (!last || last->scene != spec.scene || last->stressCase != spec.stressCase || last->view != spec.view)
+        if (!last || last->scene != spec.scene || last->variant != spec.variant || last->stressCase != spec.stressCase || last->view != spec.view)
             result.emplace_back();
         result.back().points.push_back(i);
         last = &spec;
@@ -85,13 +85,13 @@ std::vector<Comparison> Plan::comparisons() const {
 
 std::string Plan::csv() const {
     const std::vector<std::string> axes = axesOf(*this);
-    std::vector<std::string> row = {"point_id", "shard", "status", "reason", "scene", "technique", "view", "width", "height", "stress"};
+    std::vector<std::string> row = {"point_id", "shard", "status", "reason", "scene", "technique", "view", "width", "height", "stress", "variant"};
     row.insert(row.end(), axes.begin(), axes.end());
     std::string text = csvRow(row);
     for (const PlannedPoint& point : points) {
         const PointSpec& s = point.spec;
         row = {point.id, "0", point.prunedBecause.empty() ? "planned" : "pruned", point.prunedBecause,
-               s.scene, s.technique, s.view, fmt::format("{}", s.width), fmt::format("{}", s.height), s.stressCase};
+               s.scene, s.technique, s.view, fmt::format("{}", s.width), fmt::format("{}", s.height), s.stressCase, s.variant};
         for (const std::string& axis : axes) {
             const auto found = s.settings.find(axis);
             row.push_back(found == s.settings.end() ? std::string{} : found->second);
@@ -112,23 +112,28 @@ uint64_t Plan::hash() const {
 }
 
 Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filter) {
-    Plan plan{sweep.name, sweep.sampling, {}, {}};
+    Plan plan{sweep.name, sweep.sampling, {}, {}, sweep.plot};
+    const std::vector<std::string> variants = sweep.variants.empty() ? std::vector<std::string>{""} : sweep.variants;
     const std::vector<std::string> stress = sweep.stress.empty() ? std::vector<std::string>{""} : sweep.stress;
     const shadow::Limits limits = workbench.limits();
     std::set<std::string> ids;  // two entries of a sweep may name the same point: it is measured once
     for (const std::string& scene : sweep.scenes)
-        for (const std::string& stressName : stress) {
-            const SceneFacts facts = workbench.sceneFacts(scene, sweep.sceneSettings, stressName);
-            plan.sceneHashes[stressName.empty() ? scene : scene + "/" + stressName] = base::hex16(facts.contentHash);
-            for (const std::string& view : viewsOf(sweep, scene, facts))
-                for (const TechniqueEntry& entry : sweep.entries)
-                    for (const shadow::Settings& settings : expand(entry)) {
-                        PointSpec spec{scene, sweep.sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height};
-                        const std::string id = pointId(spec, facts.contentHash);
-                        if (!filter.accepts(spec) || !ids.insert(id).second) continue;
-                        const auto reason = shadow::pruneReason(shadow::technique(entry.technique), settings, facts.facts, limits);
-                        plan.points.push_back({id, std::move(spec), reason.value_or("")});
-                    }
+        for (const std::string& variant : variants) {
+            std::vector<std::string> sceneSettings = sweep.sceneSettings;
+            for (const std::string& setting : variantSettings(variant)) sceneSettings.push_back(setting);
+            for (const std::string& stressName : stress) {
+                const SceneFacts facts = workbench.sceneFacts(scene, sceneSettings, stressName);
+                plan.sceneHashes[scene + (variant.empty() ? "" : "[" + variant + "]") + (stressName.empty() ? "" : "/" + stressName)] = base::hex16(facts.contentHash);
+                for (const std::string& view : viewsOf(sweep, scene, facts))
+                    for (const TechniqueEntry& entry : sweep.entries)
+                        for (const shadow::Settings& settings : expand(entry)) {
+                            PointSpec spec{scene, sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height, variant};
+                            const std::string id = pointId(spec, facts.contentHash);
+                            if (!filter.accepts(spec) || !ids.insert(id).second) continue;
+                            const auto reason = shadow::pruneReason(shadow::technique(entry.technique), settings, facts.facts, limits);
+                            plan.points.push_back({id, std::move(spec), reason.value_or("")});
+                        }
+            }
         }
     if (plan.points.empty()) throw base::UsageError(fmt::format("sweep '{}': no point is left after --filter", sweep.name));
     return plan;

@@ -17,7 +17,7 @@ struct PlannedPoint {
     std::string prunedBecause;  ///< empty: the point runs
 };
 
-/// Points that are sampled together: same scene, stiff case and view; only so are their times comparable.
+/// Points that are sampled together: same scene, variant, stiff case and view; only so are their times comparable.
 struct Comparison {
     std::vector<size_t> points;  ///< indices of planned points
 };
@@ -26,7 +26,8 @@ struct Plan {
     std::string sweepName;
     measure::SamplingPlan sampling;
     std::vector<PlannedPoint> points;
-    std::map<std::string, std::string> sceneHashes;  ///< "scene" or "scene/stress" → 16 hex digits
+    std::map<std::string, std::string> sceneHashes;  ///< "scene[variant]/stress", without what is empty → 16 hex digits
+    PlotRequest plot;
 
     std::vector<Comparison> comparisons() const;
     std::string csv() const;   ///< text of plan.csv
@@ -34,7 +35,7 @@ struct Plan {
 };
 
 /// Which points a person wants: every pattern must be found (regular expression, case ignored) in
-/// "scene technique view stress axis=value …".
+/// "scene technique axis=value … view stress variant".
 class PointFilter {
 public:
     PointFilter() = default;

@@ -142,6 +142,7 @@ private:
         json["backend"] = workbench_.backend();
         json["build"] = buildJson();
         json["machine"] = nlohmann::ordered_json::parse(workbench_.identityJson());
+        if (!plan_.plot.x.empty()) json["plot"] = {{"x", plan_.plot.x}, {"y", plan_.plot.y}, {"columns", plan_.plot.columns}};
         json["seeds"] = {{"sampling", plan_.sampling.seed}};
         json["hashes"] = {{"scenes", plan_.sceneHashes}, {"shaders", shadersHash()}};
         return json.dump(2) + "\n";

@@ -30,17 +30,20 @@ void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, 
     const std::vector<MeasuredPoint> measured = measuredPoints(fs::path(folder) / "metrics.csv");
     std::vector<PointSpec> pictured;
     std::string tables;
-    for (const std::string& scene : sweep.scenes) {
+    std::vector<std::pair<std::string, std::string>> places;  // scene and variant, in the plan's order
+    for (const PlannedPoint& point : plan.points)
+        if (std::pair place(point.spec.scene, point.spec.variant); places.empty() || places.back() != place) places.push_back(place);
+    for (const auto& [scene, variant] : places) {
         // A stiff case is there to be survived, not to be best.
         std::vector<MeasuredPoint> points;
-        std::copy_if(measured.begin(), measured.end(), std::back_inserter(points), [&](const MeasuredPoint& p) {
+        std::copy_if(measured.begin(), measured.end(), std::back_inserter(points), [&, &scene = scene, &variant = variant](const MeasuredPoint& p) {
             const PlannedPoint* point = planned(plan, p.pointId);
-            return point && point->spec.scene == scene && point->spec.stressCase.empty();
+            return point && point->spec.scene == scene && point->spec.variant == variant && point->spec.stressCase.empty();
         });
         if (points.empty()) continue;
         const std::vector<MeasuredPoint> best = bestPoints(points, kBest);
         for (const MeasuredPoint& p : best) pictured.push_back(planned(plan, p.pointId)->spec);
-        tables += fmt::format("\nThe best of {} points on {}, fastest first:\n{}", points.size(), scene, bestPointsTable(best, plan));
+        tables += fmt::format("\nThe best of {} points on {}{}, fastest first:\n{}", points.size(), scene, variant.empty() ? "" : " with " + variant, bestPointsTable(best, plan));
     }
     const fs::path pictures = fs::path(folder) / kPictures;
     const bool drawn = !pictured.empty() && !renderPictures(pictures.string(), workbench, pictured).empty();
@@ -60,7 +63,7 @@ void removeSummary(const std::string& folder) {
     if (!fs::is_directory(folder)) return;
     for (const fs::directory_entry& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {})) {
         const std::string name = entry.path().filename().string();
-        if (name.starts_with("work_precision_") || name == "table.csv" || name == "table.md") fs::remove(entry.path());
+        if (name.starts_with("work_precision_") || name.starts_with("error_by_") || name == "table.csv" || name == "table.md") fs::remove(entry.path());
     }
 }
 

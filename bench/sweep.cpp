@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "bench/stress.h"
+#include "measure/counters.h"
 
 #include <fmt/format.h>
 
@@ -65,6 +66,20 @@ TechniqueEntry readEntry(base::ConfigTable& table) {
     return entry;
 }
 
+PlotRequest readPlot(base::ConfigTable& table, const Sweep& sweep) {
+    PlotRequest plot{table.text("x"), table.text("y", "error"), table.text("columns", "")};
+    located(table, "y", [&] { measure::metricInfo(plot.y); });
+    for (const auto& [key, name] : {std::pair("x", plot.x), std::pair("columns", plot.columns)}) {
+        const bool varies = name == "variant" ? sweep.variants.size() > 1 : std::any_of(sweep.entries.begin(), sweep.entries.end(), [&](const TechniqueEntry& entry) {
+            return std::any_of(entry.axes.begin(), entry.axes.end(), [&](const auto& axis) { return axis.first == name; });
+        });
+        if (!name.empty() && !varies) table.fail(key, fmt::format("'{}' is neither an axis that a [[technique]] of this sweep sets nor \"variant\" of several", name));
+    }
+    if (plot.x == plot.columns) table.fail("columns", "must be another than x");
+    table.finish();
+    return plot;
+}
+
 void requireUnique(const base::ConfigTable& table, std::string_view key, std::vector<std::string> names) {
     std::sort(names.begin(), names.end());
     const auto twice = std::adjacent_find(names.begin(), names.end());
@@ -104,6 +119,11 @@ Sweep parseSweep(const std::string& toml, const std::string& fileName) {
     sweep.scenes = root.values("scenes");
     requireUnique(root, "scenes", sweep.scenes);
     if (root.has("scene_settings")) sweep.sceneSettings = root.values("scene_settings");
+    if (root.has("variants")) sweep.variants = root.values("variants");
+    requireUnique(root, "variants", sweep.variants);
+    for (const std::string& variant : sweep.variants)
+        for (const std::string& setting : variantSettings(variant))
+            if (setting.find('=') == std::string::npos) root.fail("variants", fmt::format("'{}': write key=value, several divided by ;", variant));
     if (root.has("views")) sweep.views = root.values("views");
     requireUnique(root, "views", sweep.views);
     if (root.has("stress")) sweep.stress = root.values("stress");
@@ -118,9 +138,21 @@ Sweep parseSweep(const std::string& toml, const std::string& fileName) {
     }
     if (auto sampling = root.table("sampling")) sweep.sampling = readSampling(*sampling);
     for (base::ConfigTable& table : root.tables("technique")) sweep.entries.push_back(readEntry(table));
+    if (auto plot = root.table("plot")) sweep.plot = readPlot(*plot, sweep);
     root.finish();
     if (sweep.entries.empty()) throw base::UsageError(fmt::format("{}: the sweep names no [[technique]]", fileName));
     return sweep;
+}
+
+std::vector<std::string> variantSettings(const std::string& variant) {
+    std::vector<std::string> settings;
+    std::istringstream list(variant);
+    for (std::string setting; std::getline(list, setting, ';');) {
+        setting.erase(0, setting.find_first_not_of(' '));
+        setting.erase(setting.find_last_not_of(' ') + 1);
+        settings.push_back(setting);
+    }
+    return settings;
 }
 
 void overrideAxis(Sweep& sweep, const std::string& assignment) {

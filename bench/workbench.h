@@ -16,12 +16,13 @@ namespace dapple::bench {
 /// One point of a sweep: what is rendered, and how.
 struct PointSpec {
     std::string scene;                       ///< name or file
-    std::vector<std::string> sceneSettings;  ///< key=value overrides of the recipe
+    std::vector<std::string> sceneSettings;  ///< key=value overrides of the recipe, the variant's among them
     std::string stressCase;                  ///< stiff case of the stability sweep; empty = as the scene is
     std::string technique;
     shadow::Settings settings;               ///< resolved: every axis of the technique
     std::string view;                        ///< name of a view of the scene
     int width = 1024, height = 768;          ///< pixels
+    std::string variant;                     ///< the sweep's name for those settings that set this point's scene apart
 };
 
 /// One figure about a point, not a time: a counter or an error metric.

@@ -39,10 +39,10 @@ class FakeRun:
         self.plan, self.metrics = [], []
 
     def add(self, technique, ms=None, error=None, status="planned", reason="", scene="forest-small", view="near", stress="",
-            flags="", fallback="", failed="", floor=0.0004, paired=None, leftOut="", invalid=False, **axes):
+            flags="", fallback="", failed="", floor=0.0004, paired=None, leftOut="", invalid=False, variant="", bytesOf=16 * 2**20, **axes):
         point = f"{len(self.plan):016x}"
         self.plan.append({"point_id": point, "shard": "1", "status": status, "reason": reason, "scene": scene,
-                          "technique": technique, "view": view, "width": "1024", "height": "768", "stress": stress, **axes})
+                          "technique": technique, "view": view, "width": "1024", "height": "768", "stress": stress, "variant": variant, **axes})
         base = {"schema": "1.0", "run_id": "r", "point_id": point, "scene": scene, "technique": technique, "view": view,
                 "backend": "cpu_finish", "status": "failed" if failed else "ok", "flags": failed}
         add = lambda metric, value, **more: self.metrics.append({**base, "metric": metric, "median": value, **more})
@@ -59,21 +59,24 @@ class FakeRun:
             add("false_light", error * 3 / 4)
             add("edge_p95", 1.5)
             add("reference_floor", floor)
-            add("texture_bytes", 16 * 2**20)
+            add("texture_bytes", bytesOf)
+            add("mean_absolute", error / 2)
         if fallback:
             add("fallback", "", flags=fallback, status="fallback")
         if paired:
-            add("ratio_to_unshadowed", paired)
+            add("to_unshadowed", paired)
         if leftOut:
             add("left_out", "", flags=leftOut, status="left_out", **{"pass": "alpha"})
 
-    def write(self, folder):
+    def write(self, folder, plot=None):
         folder.mkdir(parents=True)
         axes = [c for c in dict.fromkeys(k for row in self.plan for k in row)
                 if c not in ("point_id", "shard", "status", "reason", "scene", "technique")]
         writeCsv(folder / "plan.csv", ["point_id", "shard", "status", "reason", "scene", "technique", *axes], self.plan)
         writeCsv(folder / "metrics.csv", METRIC_COLUMNS, self.metrics)
         info = {"schema": "1.0", "gl": {"renderer": "llvmpipe (LLVM 15.0.6, 256 bits)"}}
+        if plot is not None:
+            info["plot"] = plot
         (folder / "run.json").write_text(json.dumps(info))
         return folder
 
@@ -186,6 +189,87 @@ def testStability(top):
         check(f"the heat map says '{text}'", text in svg)
 
 
+def testShadowCost(top):
+    """Shadow cost by hand: (46 - 25) / (67 - 25) of the standard map, in each variant of its own."""
+    run = FakeRun()
+    for variant, standard in (("", 67.0), ("sun.elevation=10", 109.0)):
+        run.add("unshadowed", 25.0, 0.2, variant=variant)
+        run.add("uniform", 40.0, 0.04, size="1024", variant=variant)
+        run.add("uniform", standard, 0.03, size="2048", variant=variant)
+        run.add("instanced", 46.0, 0.02, size="512", variant=variant)
+    run.add("unshadowed", 25.0, 0.2, view="far")
+    run.add("instanced", 46.0, 0.02, view="far", size="512")
+    folder = run.write(top / "cost")
+    plot(folder)
+    rows = list(csv.DictReader(io.StringIO((folder / "table.csv").read_text())))
+    cost = [(r["variant"], r["technique"], r["shadow_to_standard"]) for r in rows if r["view"] == "near"]
+    wanted = {("", "instanced"): 0.5, ("", "uniform"): 15 / 42, ("sun.elevation=10", "instanced"): 0.25, ("sun.elevation=10", "uniform"): 15 / 84}
+    for (variant, technique), value in wanted.items():
+        found = [float(c) for v, t, c in cost if (v, t) == (variant, technique)]
+        check(f"shadow cost of {technique} {variant}", abs(found[0] - value) < 1e-12, found)
+    check("the standard map's own cost is 1", [c for _, t, c in cost if t == "uniform"][1::2] == ["1.0", "1.0"], cost)
+    check("a baseline has no shadow cost, nor a view without the standard map",
+          {c for _, t, c in cost if t == "unshadowed"} == {""} and {r["shadow_to_standard"] for r in rows if r["view"] == "far"} == {""}, rows)
+    check("one diagram for each variant", all((folder / f"work_precision_forest-small{v}_1024x768.svg").exists()
+                                              for v in ("", "_sun.elevation_10")), list(folder.iterdir()))
+
+
+def rotations():
+    run = FakeRun()
+    for number in (2, 12, 72):
+        for mode in ("nearest", "depth"):
+            for frame, scale in (("A", 1), ("B", 2)):
+                run.add("instanced", 20.0, 0.4 * scale / number, rotations=str(number), mode=mode, bytesOf=number * 2**20, **{"sample-frame": frame})
+    run.add("instanced", 20.0, 0.0, rotations="12", mode="exact", **{"sample-frame": "A"})
+    return run
+
+
+def testCurves(top):
+    request = {"x": "rotations", "y": "error", "columns": "mode"}
+    folder = rotations().write(top / "curves", request)
+    done = plot(folder)
+    names = {Path(line).name for line in done.stdout.splitlines()}
+    wanted = {f"error_by_rotations_forest-small_1024x768.{form}" for form in ("svg", "png", "pdf")} | {"table.csv", "table.md"}
+    check("a sweep's own plot stands for the work-precision diagrams", done.returncode == 0 and names == wanted, (names, done.stderr))
+    if done.returncode:
+        return
+    svg = (folder / "error_by_rotations_forest-small_1024x768.svg").read_text()
+    texts = re.findall(r"<!-- (.*?) -->", svg)
+    for text in ("Error by rotations: forest-small · 1024×768 · near", "mode nearest", "mode depth", "maps, MiB", "rotations", "72", "exact",
+                 "error: share of wrong pixels"):
+        check(f"the curves say '{text}'", text in texts, texts)
+    check("one line per sample frame, and one for what does not vary", {"A", "B", "exact"} <= set(texts) and texts.count("A") == 1, texts)
+    check("a level is no column of its own, and an error of 0 is explained", "mode exact" not in texts and any("no 0" in t for t in texts), texts)
+    again = rotations().write(top / "curves-again", request)
+    plot(again, seed="1")
+    differ = [name for name in wanted if (again / name).read_bytes() != (folder / name).read_bytes()]
+    check("the same run draws the same curves", not differ, differ)
+
+    run = FakeRun()
+    for degrees, error in (("80", 0.01), ("10", 0.08), ("45", 0.02)):
+        for number in ("6", "12"):
+            run.add("instanced", 20.0, error, variant=f"sun.elevation={degrees}", rotations=number)
+    folder = run.write(top / "variants", {"x": "variant", "y": "mean_absolute"})
+    done = plot(folder)
+    svg = folder / "error_by_variant_forest-small_1024x768.svg"
+    texts = re.findall(r"<!-- (.*?) -->", svg.read_text()) if svg.exists() else []
+    check("variants of one number make an axis with its name", {"10", "45", "80", "sun.elevation"} <= set(texts) and not done.stderr,
+          (texts, done.stderr))
+    check("the sweep's metric is the one drawn", "Mean error by sun.elevation: forest-small · 1024×768 · near" in texts, texts)
+    run = FakeRun()
+    for name in ("oak", "fir"):
+        run.add("instanced", 20.0, 0.1, variant=f"species.0.name={name}; species.1.name={name}")
+    folder = run.write(top / "crowns", {"x": "variant"})
+    plot(folder)
+    svg = folder / "error_by_variant_forest-small_1024x768.svg"
+    texts = re.findall(r"<!-- (.*?) -->", svg.read_text()) if svg.exists() else []
+    check("variants of the same keys are named by what they set, in the sweep's order",
+          [t for t in texts if t in ("oak", "fir")] == ["oak", "fir"] and "species.0.name, species.1.name" in texts, texts)
+    check("memory that does not vary is not drawn", "maps, MiB" not in texts, texts)
+    failed = plot(rotations().write(top / "strange", {"x": "size"}))
+    check("a plot over what the run does not vary is refused", failed.returncode == 4 and "no axis of this run" in failed.stderr, failed.stderr)
+
+
 def testRefusals(top):
     def refuse(name, code, words, spoil):
         folder = sweep().write(top / name)
@@ -247,10 +331,10 @@ def testSparse(top):
 
 
 with tempfile.TemporaryDirectory() as scratch:
-    for test in (testDrawing, testTable, testStability, testRefusals, testSchema, testSparse):
+    for test in (testDrawing, testTable, testShadowCost, testCurves, testStability, testRefusals, testSchema, testSparse):
         test(Path(scratch))
 if os.environ.get("KEEP"):
-    for name, run in (("sweep", sweep()), ("stability", stability())):
+    for name, run in (("sweep", sweep()), ("stability", stability()), ("rotations", rotations())):
         shutil.rmtree(Path(os.environ["KEEP"]) / name, ignore_errors=True)
         plot(run.write(Path(os.environ["KEEP"]) / name))
 sys.exit(failures > 0)

@@ -20,10 +20,11 @@ def cellText(point):
 def drawHeatMap(run, stem):
     points = run.points[~run.points.technique.isin(BASELINES)]
     # A technique's settings, and a case's scene and view, are named where there is more than one.
-    several = {column: points[column].nunique() > 1 for column in ("scene", "view")}
+    several = {column: points[column].nunique() > 1 for column in ("scene", "view", "variant")}
     rowOf = [" ".join(filter(None, [p.technique, p.varies])) for p in points.itertuples()]
     columnOf = [" · ".join(filter(None, [p.stress or "unstressed", p.scene if several["scene"] else "",
-                                         p.view if several["view"] else ""])) for p in points.itertuples()]
+                                         p.view if several["view"] else "",
+                                         p.variant if several["variant"] else ""])) for p in points.itertuples()]
     rows, columns = list(dict.fromkeys(rowOf)), list(dict.fromkeys(columnOf))
     errors = numpy.full((len(rows), len(columns)), numpy.nan)
     texts = {}

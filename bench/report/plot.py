@@ -2,7 +2,7 @@
 """plot.py DIR: draws the figures of a run and writes its table, into its folder.
 
 Work-precision diagrams (work_precision_<scene>_<size>.svg, .png, .pdf), for a stability run the heat map
-(stability.*), and table.csv, table.md. Prints the paths that it wrote. The same input gives the same bytes.
+(stability.*), for a sweep with a [plot] x the error along it (error_by_<x>_<scene>_<size>.*), and table.csv, table.md. Prints the paths that it wrote. The same input gives the same bytes.
 Exit codes: 2 not the folder of a run, 4 damaged or of another schema."""
 import re
 import sys
@@ -14,6 +14,7 @@ try:
 except ImportError as error:
     sys.exit(print(f"plot needs {error.name}: install python3-matplotlib and python3-pandas", file=sys.stderr) or 2)
 
+from curves import drawCurves  # noqa: E402
 from heat_map import drawHeatMap  # noqa: E402
 from results import ReportError, readRun  # noqa: E402
 from table import buildTable, markdown  # noqa: E402
@@ -28,6 +29,7 @@ def writeText(path, text):
 
 
 def slug(text):
+    text = text.replace(" · ", "_").replace("×", "x")
     return re.sub(r"[^A-Za-z0-9.-]+", "_", Path(text).name).strip("_")
 
 
@@ -36,10 +38,14 @@ def report(folder):
     table = buildTable(run)
     paths = [writeText(folder / "table.csv", table.to_csv(index=False, lineterminator="\n")),
              writeText(folder / "table.md", markdown(run, table))]
+    if run.plot:
+        for place, points in run.points.groupby("place", sort=False):
+            paths += drawCurves(run, points, folder / f"error_by_{slug(run.plot['x'])}_{slug(place)}")
+        return paths
     if run.stability:
         return paths + drawHeatMap(run, folder / "stability")
     for group, points in run.points.groupby("group", sort=False):
-        paths += drawGroup(run, points, folder / f"work_precision_{slug(group.replace(' · ', '_').replace('×', 'x'))}")
+        paths += drawGroup(run, points, folder / f"work_precision_{slug(group)}")
     return paths
 
 

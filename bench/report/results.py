@@ -9,11 +9,11 @@ SCHEMA_MAJOR = "1"
 BASELINES = ("unshadowed", "bare")  # frames without shadows: the yardsticks of the others
 # Columns of plan.csv that are not axes of a technique.
 PLAN_COLUMNS = ("point_id", "shard", "status", "reason", "scene", "technique")
-PLACE_COLUMNS = ("view", "width", "height", "stress")
+PLACE_COLUMNS = ("view", "width", "height", "stress", "variant")
 METRIC_COLUMNS = ("schema", "point_id", "pass", "metric", "median", "ci_lo", "ci_hi", "backend", "status", "flags")
 # Whole-frame figures that the report shows; one that a run does not have stays empty.
 FIGURES = ("error", "reference_floor", "false_shadow", "false_light", "edge_p95", "texture_bytes",
-           "ratio_to_unshadowed", "ratio_to_bare")
+           "to_unshadowed", "to_bare")
 
 
 class ReportError(Exception):
@@ -30,6 +30,7 @@ class Run:
     axes: list                # names of the techniques' axes, in the plan's order
     machine: str              # what rendered and which clock, for subtitles
     stability: bool           # the plan stresses its scenes
+    plot: dict                # x, y and columns of the figure that the sweep asks for; empty: error against frame time
     leftOut: list             # (pass, reason, techniques) of the passes that the scenes did not need
 
 
@@ -70,6 +71,18 @@ def describeMachine(info, backends):
     return f"{renderer} · timer {', '.join(backends) or 'none'}"
 
 
+def readPlot(path, info, axes):
+    """The figure that the sweep asks for, {} for the usual one."""
+    plot = info.get("plot", {})
+    if not plot:
+        return {}
+    plot = {"columns": "", "y": "error", **plot} if isinstance(plot, dict) else {}
+    for key in ("x", "columns"):
+        if plot.get(key) not in ([""] if key == "columns" else []) + ["variant"] + axes:
+            raise ReportError(4, f"{path} is damaged: plot {key} '{plot.get(key, '')}' is no axis of this run")
+    return plot
+
+
 def numbers(path, table, column):
     text = table[column]
     values = pandas.to_numeric(text.where(text != ""), errors="coerce")
@@ -105,7 +118,7 @@ def pointState(plan, rows):
 
 def readRun(folder):
     """Columns of `points`: those of the plan; state, why; frame_ms with frame_lo, frame_hi (the metric frame_time);
-    FIGURES; flags; fallback; group (what the points of one plot share); varies (the settings by which a technique's
+    FIGURES and the plot's y; flags; fallback; place (scene and size); group (what the points of one plot share: place and variant); varies (the settings by which a technique's
     points differ)."""
     folder = Path(folder)
     if not folder.is_dir():
@@ -149,15 +162,18 @@ def readRun(folder):
     for column, source in (("frame_ms", "median"), ("frame_lo", "ci_lo"), ("frame_hi", "ci_hi")):
         points[column] = points.point_id.map(times[source])
     points["flags"] = points.point_id.map(times["flags"]).fillna("")
-    for figure in FIGURES:
+    plot = readPlot(infoPath, info, axes)
+    for figure in dict.fromkeys([*FIGURES, *([plot["y"]] if plot else [])]):
         points[figure] = points.point_id.map(frames[frames.metric == figure].set_index("point_id")["median"])
     points["fallback"] = points.point_id.map(frames[frames.metric == "fallback"].set_index("point_id")["flags"]).fillna("")
-    points["group"] = [f"{p.scene} · {p.width}×{p.height}" if p.width else p.scene for p in points.itertuples()]
+    size = [f"{p.width}×{p.height}" if p.width else "" for p in points.itertuples()]
+    points["place"] = [" · ".join(filter(None, [p.scene, s])) for p, s in zip(points.itertuples(), size)]
+    points["group"] = [" · ".join(filter(None, [p.scene, p.variant, s])) for p, s in zip(points.itertuples(), size)]
     points["varies"] = describeSettings(points, axes)
     dropped = metrics[metrics.metric == "left_out"].merge(plan[["point_id", "technique"]], on="point_id", suffixes=("_", ""))
     leftOut = [(*key, list(dict.fromkeys(rows.technique))) for key, rows in dropped.groupby(["pass", "flags"], sort=False)]
     return Run(points, axes, describeMachine(info, sorted(set(times["backend"]) - {""})),
-               bool((plan.stress != "").any()), leftOut)
+               bool((plan.stress != "").any()), plot, leftOut)
 
 
 def varyingAxes(points, axes):

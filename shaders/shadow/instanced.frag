@@ -1,7 +1,11 @@
-// One look-up per pixel inside a bounding shadow volume; survivors are dark.
+// One look-up per pixel inside a bounding shadow volume; survivors are dark. Or, to count candidates, no look-up.
 #include "lib/instanced_resolve.glsl"
 flat in uint vCaster;
+#ifdef COUNT_CANDIDATES
+layout(location = 0) out float oCount;
+#else
 layout(location = 0) out vec2 oVisibility;
+#endif
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -13,9 +17,13 @@ void main() {
 #ifndef SKIP_TEST
     if (!inVolume(c, type, p)) discard;
 #endif
+#ifdef COUNT_CANDIDATES
+    oCount = 1.0;
+#else
     vec3 normal = geometricNormal(pixel);
     if (dot(normal, uLight) >= 0.0) discard;  // dark already
     float lit = lookUp(c, type, p, normal);
     if (lit >= 1.0) discard;
     oVisibility = vec2(lit, 1.0);
+#endif
 }

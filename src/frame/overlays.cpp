@@ -33,6 +33,10 @@ Colour heat(double t) {
 }
 
 constexpr Colour kAmbiguous{255, 0, 255}, kExcluded{74, 85, 104}, kFalseShadow{230, 30, 30}, kFalseLight{40, 110, 255};
+constexpr std::array<double, 3> kCandidateLit{0.5, 1, 0.45}, kCandidateDark{0.8, 0.05, 0.05};
+
+/// Lightness of a pixel of a picture, 0 … 1.
+double lightness(const uint8_t* s) { return (0.3 * s[0] + 0.6 * s[1] + 0.1 * s[2]) / 255; }
 
 }  // namespace
 
@@ -58,13 +62,22 @@ base::Image8 paintError(const base::Image8& shaded, const truth::Reference& refe
         if (label == truth::Label::lit && dark) return kFalseShadow;
         if (label == truth::Label::shadowed && !dark) return kFalseLight;
         if (label == truth::Label::ambiguous) return kAmbiguous;
-        const uint8_t* s = &shaded.texels[i * 3];
-        return grey(0.55 + 0.4 * (0.3 * s[0] + 0.6 * s[1] + 0.1 * s[2]) / 255);
+        return grey(0.55 + 0.4 * lightness(&shaded.texels[i * 3]));
     });
 }
 
 base::Image8 paintOverdraw(const base::ImageF& counts) {
     return paint(counts.width, counts.height, [&](size_t i) { return heat(std::log2(1 + double(counts.texels[i])) / std::log2(33.0)); });
+}
+
+base::Image8 paintCandidates(const base::Image8& shaded, const base::ImageF& volumes, std::span<const float> visibility) {
+    return paint(shaded.width, shaded.height, [&](size_t i) -> Colour {
+        const double light = lightness(&shaded.texels[i * 3]);
+        if (volumes.texels[i] < 0.5f) return grey(0.12 + 0.38 * std::sqrt(light));
+        const auto& c = visibility[i] < 1 ? kCandidateDark : kCandidateLit;
+        const double strength = 0.4 + 0.6 * std::sqrt(light);  // the structure of the picture stays visible
+        return {byte(c[0] * strength), byte(c[1] * strength), byte(c[2] * strength)};
+    });
 }
 
 base::Image8 paintDepth(const base::ImageF& depth, const Camera& camera) {

@@ -17,6 +17,9 @@ base::Image8 paintReference(const truth::Reference& reference);
 base::Image8 paintError(const base::Image8& shaded, const truth::Reference& reference, std::span<const float> visibility);
 /// Fragments per pixel, black (none) through violet, orange to pale yellow (32 and more), logarithmic.
 base::Image8 paintOverdraw(const base::ImageF& counts);
+/// Over a faded, dimmed picture: candidate pixels (in at least one volume) lit green, in shadow red (Buntin & Stamminger
+/// 2007, fig. 4). Green is the lighter of the two, so that the picture reads without colour vision.
+base::Image8 paintCandidates(const base::Image8& shaded, const base::ImageF& volumes, std::span<const float> visibility);
 /// Distance along the view, near light, far dark, logarithmic; sky black.
 base::Image8 paintDepth(const base::ImageF& depth, const Camera& camera);
 /// Layers of a light map side by side in a grid, near the sun light, empty dark blue; at most 2048 pixels across.

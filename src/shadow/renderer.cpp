@@ -55,4 +55,11 @@ base::ImageF Renderer::overdraw() {
     return frame_.readChannel(frame_.overdraw());
 }
 
+std::optional<base::ImageF> Renderer::candidates() {
+    frame::PassObserver silent;
+    render(silent);
+    if (!technique_ || !technique_->countCandidates()) return std::nullopt;
+    return frame_.readChannel(frame_.overdraw());
+}
+
 }  // namespace dapple::shadow

@@ -3,6 +3,8 @@
 #include "frame/lamps.h"
 #include "shadow/technique.h"
 
+#include <optional>
+
 namespace dapple::shadow {
 
 /// A whole frame of one technique: the frame's own passes and the technique's between them, less what the scene
@@ -26,6 +28,8 @@ public:
     const Technique* technique() const { return technique_.get(); }
     /// Fragments per pixel of the technique's own screen-space work, or of the geometry where it has none.
     base::ImageF overdraw();
+    /// Casters' volumes that hold each pixel's receiver; empty where the technique finds no candidate pixels.
+    std::optional<base::ImageF> candidates();
     size_t mapBytes() const { return technique_ ? technique_->mapBytes() : 0; }
 
 private:

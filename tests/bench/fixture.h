@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "bench/csv.h"
 #include "bench/plan.h"
 #include "bench/rows.h"
@@ -26,10 +27,15 @@ public:
 
     std::string backend() const override { return fake_->backend(); }
     shadow::Limits limits() const override { return limitsOfGl; }
-    SceneFacts sceneFacts(const std::string& scene, const std::vector<std::string>&, const std::string& stress) override {
+    SceneFacts sceneFacts(const std::string& scene, const std::vector<std::string>& settings, const std::string& stress) override {
         static const std::vector<std::string> kScenes{"a", "b", "c"};
         if (scene.size() != 1 || scene < "a" || scene > "c") throw base::UsageError(base::unknownName("scene", scene, kScenes));
-        return {{}, 1000 + uint64_t(scene[0]) + contentSalt + 7 * stress.size(), {"front", "back"}};
+        base::Hasher content;
+        content.text(scene);
+        content.value(contentSalt);
+        for (const std::string& setting : settings) content.text(setting);
+        content.text(stress);
+        return {{}, content.digest(), {"front", "back"}};
     }
     std::unique_ptr<OpenPoint> open(const PointSpec& spec) override {
         opened.push_back(spec.scene + " " + pointText(spec));

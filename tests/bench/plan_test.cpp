@@ -25,7 +25,7 @@ TEST(Plan, IsTheSameEveryTimeAndWhateverTheOrderOfKeys) {
 TEST(Plan, CsvHasTheSchemasColumns) {
     TestWorkbench bench;
     const CsvTable table(makePlan(smallSweep(), bench).csv(), "plan.csv");
-    const std::vector<std::string> fixed{"point_id", "shard", "status", "reason", "scene", "technique", "view", "width", "height", "stress"};
+    const std::vector<std::string> fixed{"point_id", "shard", "status", "reason", "scene", "technique", "view", "width", "height", "stress", "variant"};
     ASSERT_GT(table.header().size(), fixed.size());
     EXPECT_TRUE(std::equal(fixed.begin(), fixed.end(), table.header().begin()));
     for (size_t i = fixed.size(); i < table.header().size(); ++i) EXPECT_NO_THROW(shadow::axis(table.header()[i]));
@@ -110,6 +110,37 @@ TEST(Plan, AComparisonHoldsOneSceneCaseAndView) {
             EXPECT_EQ(first.scene + first.stressCase + first.view, other.scene + other.stressCase + other.view);
         }
     }
+}
+
+TEST(Plan, EachVariantIsASceneOfItsOwn) {
+    Sweep sweep = smallSweep();
+    sweep.sceneSettings = {"trees=5"};
+    sweep.variants = {"", "sun.elevation=10", "sun.elevation=30; seed=4"};
+    TestWorkbench bench;
+    const Plan plan = makePlan(sweep, bench);
+    const std::vector<std::string> all = ids(plan);
+    EXPECT_EQ(std::set<std::string>(all.begin(), all.end()).size(), 24u);  // 2 scenes, 3 variants, 4 points
+    EXPECT_EQ(plan.sceneHashes.size(), 6u);
+    EXPECT_TRUE(plan.sceneHashes.contains("a[sun.elevation=10]"));
+    const auto comparisons = plan.comparisons();
+    ASSERT_EQ(comparisons.size(), 6u);
+    const std::vector<std::string> settings[] = {{"trees=5"}, {"trees=5", "sun.elevation=10"}, {"trees=5", "sun.elevation=30", "seed=4"}};
+    for (size_t c = 0; c < 6; ++c)
+        for (const size_t i : comparisons[c].points) {
+            EXPECT_EQ(plan.points[i].spec.scene, c < 3 ? "a" : "b");
+            EXPECT_EQ(plan.points[i].spec.variant, sweep.variants[c % 3]);
+            EXPECT_EQ(plan.points[i].spec.sceneSettings, settings[c % 3]);
+        }
+    const CsvTable table(plan.csv(), "plan.csv");
+    EXPECT_EQ(table.at(0, "variant"), "");
+    EXPECT_EQ(table.at(4, "variant"), "sun.elevation=10");
+    EXPECT_EQ(makePlan(sweep, bench, PointFilter({"elevation=10", "uniform"})).points.size(), 4u);
+
+    // A variant is what its settings make of the scene: said otherwise, they are the same points.
+    sweep.sceneSettings = {"trees=5", "sun.elevation=10"};
+    sweep.variants.clear();
+    const std::vector<std::string> plain = ids(makePlan(sweep, bench));
+    EXPECT_TRUE(std::equal(plain.begin(), plain.begin() + 4, all.begin() + 4));
 }
 
 TEST(Plan, TheSamePointTwiceIsMeasuredOnce) {

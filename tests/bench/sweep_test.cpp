@@ -54,6 +54,35 @@ TEST(Sweep, BadInputNamesFileLineAndNearestName) {
     expect("question = \"?\"\nscenes = [\"a\", \"a\"]\n[[technique]]\nname = \"uniform\"\n", {"s.toml:2", "named twice"});
 }
 
+TEST(Sweep, VariantsAreListsOfSettings) {
+    const std::string rest = "[[technique]]\nname = \"instanced\"\nrotations = [6, 12]\n";
+    const Sweep sweep = parseSweep(kHead + "variants = [\"\", \"sun.elevation=10\", \"sun.elevation=30;  trees = 9 \"]\n" + rest, "s.toml");
+    EXPECT_EQ(sweep.variants, (std::vector<std::string>{"", "sun.elevation=10", "sun.elevation=30;  trees = 9 "}));
+    EXPECT_EQ(variantSettings(sweep.variants[0]), std::vector<std::string>{});
+    EXPECT_EQ(variantSettings(sweep.variants[1]), std::vector<std::string>{"sun.elevation=10"});
+    EXPECT_EQ(variantSettings(sweep.variants[2]), (std::vector<std::string>{"sun.elevation=30", "trees = 9"}));
+    EXPECT_NE(complaint(kHead + "variants = [\"low\"]\n" + rest).find("s.toml:3: variants: 'low': write key=value"), std::string::npos);
+    EXPECT_NE(complaint(kHead + "variants = [\"a=1\", \"a=1\"]\n" + rest).find("named twice"), std::string::npos);
+}
+
+TEST(Sweep, APlotIsOverAnAxisThatTheSweepSets) {
+    const auto with = [](const std::string& plot) {
+        return kHead + "variants = [\"\", \"a=1\"]\n[plot]\n" + plot + "\n[[technique]]\nname = \"instanced\"\nrotations = [6, 12]\nmode = [\"nearest\", \"depth\"]\n";
+    };
+    const Sweep sweep = parseSweep(with("x = \"rotations\"\ncolumns = \"mode\""), "s.toml");
+    EXPECT_EQ(sweep.plot.x, "rotations");
+    EXPECT_EQ(sweep.plot.columns, "mode");
+    EXPECT_EQ(sweep.plot.y, "error");
+    EXPECT_EQ(parseSweep(with("x = \"mode\"\ny = \"mean_absolute\""), "s.toml").plot.y, "mean_absolute");
+    EXPECT_NE(complaint(with("x = \"mode\"\ny = \"eror\"")).find("s.toml:6: y: unknown metric 'eror'"), std::string::npos);
+    EXPECT_EQ(parseSweep(with("x = \"variant\""), "s.toml").plot.x, "variant");
+    EXPECT_EQ(parseSweep(kHead + "[[technique]]\nname = \"uniform\"\n", "s.toml").plot.x, "");
+    EXPECT_NE(complaint(with("x = \"size\"")).find("s.toml:5: x: 'size' is neither"), std::string::npos);
+    EXPECT_NE(complaint(with("x = \"mode\"\ncolumns = \"mode\"")).find("another than x"), std::string::npos);
+    EXPECT_NE(complaint(with("columns = \"mode\"")).find("required"), std::string::npos);
+    EXPECT_NE(complaint(kHead + "[plot]\nx = \"variant\"\n[[technique]]\nname = \"uniform\"\n").find("neither"), std::string::npos);
+}
+
 TEST(Sweep, OverridesReplaceTheAxisEverywhereItExists) {
     Sweep sweep = smallSweep();
     overrideAxis(sweep, "size=64,128,1024");

@@ -64,10 +64,20 @@ public:
     std::vector<LightMatrix> matrices() const override { return maps_.matrices(); }
     const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.array(); }
 
-    bool countOverdraw() override {
+    bool countOverdraw() override { return countVolumes(count_, &frame_.depth()); }
+    // Each volume is convex, so without a depth test it has one fragment per pixel, and membership alone decides.
+    bool countCandidates() override { return countVolumes(candidates_, nullptr); }
+
+private:
+    bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
+    bool masked() const { return is("cull", "mask"); }
+    /// Casters, first in the list, whose front faces do.
+    size_t notAboutEye() const { return is("apply", "zpass") ? casters_.notAboutEye() : 0; }
+
+    bool countVolumes(const gl::Program& program, const gl::Texture* depth) {
         if (is("apply", "tiled") || is("apply", "all")) return false;
         const gl::Texture* colours[] = {&frame_.overdraw()};
-        const gl::Framebuffer target = gl::makeFramebuffer(colours, &frame_.depth());
+        const gl::Framebuffer target = gl::makeFramebuffer(colours, depth);
         gl::resetState();
         glBindFramebuffer(GL_FRAMEBUFFER, target.name());
         const float zero[4] = {0, 0, 0, 0};
@@ -75,16 +85,10 @@ public:
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         measure::Ledger ignored;
-        if (!maps_.types().empty()) submitVolumes(count_, ignored);
+        if (!maps_.types().empty()) submitVolumes(program, ignored);
         gl::resetState();
         return true;
     }
-
-private:
-    bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
-    bool masked() const { return is("cull", "mask"); }
-    /// Casters, first in the list, whose front faces do.
-    size_t notAboutEye() const { return is("apply", "zpass") ? casters_.notAboutEye() : 0; }
 
     void makePrograms() {
         std::vector<std::string> look = samplingDefines(settings_);
@@ -100,6 +104,10 @@ private:
         } else {
             resolve_ = gl::Program("shadow/instanced.vert", "shadow/instanced.frag", volume);
             count_ = gl::Program("shadow/instanced.vert", "passes/count.frag", volume);
+            std::vector<std::string> candidates = volume;
+            std::erase(candidates, "SKIP_TEST");
+            candidates.push_back("COUNT_CANDIDATES");
+            candidates_ = gl::Program("shadow/instanced.vert", "shadow/instanced.frag", candidates);
         }
         if (masked()) {
             receiverTiles_ = gl::Program::compute("shadow/receiver_tiles.comp");
@@ -228,7 +236,7 @@ private:
     gl::Sampler sampler_;
     gl::VertexArray array_;
     gl::Buffer corners_, survivors_, tiles_, commands_;
-    gl::Program resolve_, count_, receiverTiles_, mask_;
+    gl::Program resolve_, count_, candidates_, receiverTiles_, mask_;
 };
 
 }  // namespace

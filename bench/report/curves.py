@@ -1,0 +1,146 @@
+"""Error, or the metric that a sweep's [plot] names, against one of its axes: a line per setting, a column of panels per value of `columns`, a
+row per scene variant and view, and below them the memory of the maps. What does not vary along the axis is a level line."""
+import matplotlib.pyplot as plt
+import numpy
+import pandas
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
+
+from figure import COLOURS, MARKERS, MUTED, addTexts, save
+from results import BASELINES
+from work_precision import describeLost, plainTicks
+
+PANEL_SIZE = (4.2, 3.4)  # inches
+MEMORY_HEIGHT = 1.6
+# metric → (title, name of its axis)
+NAMES = {"error": ("Error", "error: share of wrong pixels"),
+         "mean_absolute": ("Mean error", "mean |visibility − truth|")}
+LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic; those of scenes, as an angle is, never are
+
+
+def positions(values, name):
+    """(position by value, label by value, name of the axis): numbers where they are, other values one after the other.
+    Variants that set the same keys stand for what they set them to."""
+    shown = {value: value or "as it is" for value in values}
+    settings = {value: dict(item.split("=", 1) for item in value.split("; ") if "=" in item) for value in values}
+    keys = {tuple(found) for found in settings.values()}
+    if len(keys) == 1 and keys != {()}:
+        name = ", ".join(*keys)
+        shown = {value: ", ".join(dict.fromkeys(found.values())) for value, found in settings.items()}
+    numeric = pandas.to_numeric(pandas.Series(shown), errors="coerce")
+    if numeric.isna().any():
+        return {value: float(i) for i, value in enumerate(shown)}, shown, name
+    return numeric.to_dict(), shown, name
+
+
+def split(points, request, axes):
+    """`points` with columns line (its label), level (does not vary along x) and column (panel; empty: all of them)."""
+    points = points[~points.technique.isin(BASELINES)].copy()
+    x, columns = request["x"], request["columns"]
+    others = [axis for axis in axes if axis not in (x, columns)]
+    points["column"] = points[columns] if columns else ""
+    points["level"] = False
+    points["line"] = ""
+    for (technique, column), own in points.groupby(["technique", "column"], sort=False):
+        level = own[own.state != "pruned"][x].nunique() < 2
+        points.loc[own.index, "level"] = level
+        varying = [a for a in others if points[points.technique == technique][a].nunique() > 1]
+        words = [technique if points.technique.nunique() > 1 else "", column if level else ""]
+        for index, row in own.iterrows():
+            shown = words if level else words[:1] + [f"{a} {row[a]}" if row[a].isdigit() else row[a] for a in varying]
+            points.loc[index, "line"] = " ".join(filter(None, shown)) or technique
+    points.loc[points.level, "column"] = ""
+    return points
+
+
+def drawPanel(axes, points, x, place, styles, figure, zeroAt=None):
+    for line, own in points.groupby("line", sort=False):
+        own = own[own[figure].notna()]
+        colour, marker = styles[line]
+        values = own[figure].where(own[figure] > 0, zeroAt)
+        if own.level.any():
+            for value in sorted(set(values)):
+                axes.axhline(value, color=colour, linewidth=1.3, linestyle=(0, (5, 2)), zorder=2)
+            continue
+        at = own[x].map(place)
+        order = numpy.argsort(at.to_numpy(), kind="stable")
+        axes.plot(at.iloc[order], values.iloc[order], color=colour, marker=marker, markersize=4.5, linewidth=1.3, zorder=3)
+        zero = own[figure] == 0
+        axes.plot(at[zero], values[zero], linestyle="none", marker=11, markersize=8, color=colour, zorder=4)
+
+
+def styleX(axes, place, shown, logarithmic):
+    where = sorted(place.values())
+    if logarithmic and where[0] > 0 and where[-1] / where[0] >= LOG_RANGE:
+        axes.set_xscale("log")
+    axes.xaxis.set_major_locator(FixedLocator(where))
+    axes.xaxis.set_minor_locator(NullLocator())
+    labels = {place[value]: text for value, text in shown.items()}
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: labels.get(value, "")))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    if max(map(len, shown.values())) > 8:
+        axes.tick_params(axis="x", rotation=30)
+    axes.grid(True, which="major", color="#e6e6e6", linewidth=0.6, zorder=0)
+    axes.set_axisbelow(True)
+
+
+def drawCurves(run, points, stem):
+    """One figure for a scene at one size. Returns the paths, none where nothing was measured."""
+    x, y = run.plot["x"], run.plot["y"]
+    points = split(points, run.plot, run.axes)
+    measured = points[(points.state == "ok") & points[y].notna()]
+    if not len(measured):
+        return []
+    along = measured[~measured.level] if not measured.level.all() else measured
+    place, shown, name = positions(list(dict.fromkeys(along[x])), x)
+    places = [key for key in ("variant", "view", "stress") if key not in (x, run.plot["columns"])]
+    keys = [key for key in places if measured[key].nunique() > 1]
+    common = [measured[key].iloc[0] for key in places if key not in keys]
+    rows = list(dict.fromkeys(measured[keys].itertuples(index=False, name=None))) if keys else [()]
+    columns = list(dict.fromkeys(along.column))
+    # Lines that vary first, so that their colours do not depend on how many levels there are.
+    lines = list(dict.fromkeys([*along.line, *measured.line]))
+    styles = {line: (COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]) for i, line in enumerate(lines)}
+    memory = measured[(measured.texture_bytes > 0) & (measured.texture_bytes.nunique() > 1)].copy()
+    memory["mib"] = memory.texture_bytes / 2**20
+    notes = describeLost(points[points.state != "pruned"])
+    positive = measured.loc[measured[y] > 0, y]
+    zeroAt = positive.min() / 2 if len(positive) else 1e-6
+    if (measured[y] == 0).any():
+        notes.insert(0, "A logarithmic axis has no 0: ▼ points without any stand at half the least.")
+
+    width = PANEL_SIZE[0] * len(columns) + 1.9
+    height = PANEL_SIZE[1] * len(rows) + (MEMORY_HEIGHT + 0.4 if len(memory) else 0) + 1.1 + 0.145 * len(notes)
+    figure, panels = plt.subplots(len(rows) + bool(len(memory)), len(columns), figsize=(width, height), squeeze=False, sharex=True,
+                                  height_ratios=[PANEL_SIZE[1]] * len(rows) + [MEMORY_HEIGHT] * bool(len(memory)), sharey="row")
+    title, yName = NAMES.get(y, (y, y))
+    bottom, top = addTexts(figure, " · ".join(filter(None, [f"{title} by {x if ',' in name else name}: {points.place.iloc[0]}", *common])), run.machine, notes, int(width * 15))
+    figure.subplots_adjust(left=0.8 / width, right=1 - 1.5 / width, bottom=bottom + 0.5 / height, top=top - 0.25 / height,
+                           wspace=0.08, hspace=0.2)
+    for row, key in enumerate(rows):
+        here = measured[(measured[keys] == key).all(axis=1)] if keys else measured
+        for column, value in enumerate(columns):
+            axes = panels[row][column]
+            axes.set_yscale("log")
+            drawPanel(axes, here[(here.column == value) | (here.column == "")], x, place, styles, y, zeroAt)
+            styleX(axes, place, shown, name == x)
+            heading = [*(text for text in key if text), f"{run.plot['columns']} {value}" if value else ""]
+            axes.set_title(" · ".join(filter(None, heading)), fontsize=9, loc="left")
+        panels[row][0].set_ylabel(yName)
+    for column, value in enumerate(columns) if len(memory) else []:
+        axes = panels[-1][column]
+        axes.set_yscale("log")
+        drawPanel(axes, memory[(memory.column == value) | (memory.column == "")], x, place, styles, "mib")
+        styleX(axes, place, shown, name == x)
+        plainTicks(axes.yaxis, lambda number: f"{number:g}")
+    if len(memory):
+        panels[-1][0].set_ylabel("maps, MiB")
+    for axes in panels[:len(rows)].flat:
+        plainTicks(axes.yaxis, lambda number: f"{number * 100:g} %" if y in NAMES else f"{number:g}")
+    for axes in panels[-1]:
+        axes.set_xlabel(name)
+    levels = set(measured.line[measured.level])
+    handles = [Line2D([], [], color=styles[line][0], label=line, markersize=5, linestyle=(0, (5, 2)) if line in levels else "-",
+                      marker="" if line in levels else styles[line][1]) for line in lines]
+    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - 1.45 / width, top - 0.1 / height), fontsize=8, labelspacing=0.7)
+    return save(figure, stem)
