@@ -22,7 +22,7 @@ void addReceiver(vec3 p) {
     }
 }
 bool hasReceivers() { return sLo[0] <= sHi[0]; }
-// Half a size more than the receivers need, for what the caster's transform rounds.
+// Larger than the receivers need by 1e-5 of the distance, for what the caster's transform rounds.
 void receiverBox(out vec3 centre, out vec3 reach) {
     vec3 lo = vec3(fromOrdered(sLo[0]), fromOrdered(sLo[1]), fromOrdered(sLo[2]));
     vec3 hi = vec3(fromOrdered(sHi[0]), fromOrdered(sHi[1]), fromOrdered(sHi[2]));

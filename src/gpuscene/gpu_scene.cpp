@@ -46,16 +46,20 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
     std::vector<uint8_t> uvs[kKinds];
     std::vector<uint8_t> indices;
     size_t quads = 0;  // of the largest mesh without indices of its own
+    std::vector<Packing> packings;  // of all meshes, in their order: finding one reads the whole mesh
     for (const scenegen::Prototype& prototype : scene.prototypes)
-        for (const scenegen::Mesh& mesh : prototype.meshes)
-            if (choosePacking(mesh).indices == Packing::Indices::quads) quads = std::max(quads, mesh.indices.size() / 6);
+        for (const scenegen::Mesh& mesh : prototype.meshes) {
+            packings.push_back(choosePacking(mesh));
+            if (packings.back().indices == Packing::Indices::quads) quads = std::max(quads, mesh.indices.size() / 6);
+        }
+    auto nextPacking = packings.begin();
     append(indices, quadIndices(quads));
     for (const scenegen::Prototype& prototype : scene.prototypes) {
         GpuPrototype gpu{prototype.box(), prototype.castsShadow, {}, prototype.triangles()};
         for (const scenegen::Mesh& mesh : prototype.meshes) {
+            const Packing packing = *nextPacking++;
             if (mesh.indices.empty()) continue;
             const scenegen::Material& material = scene.materials[mesh.material];
-            const Packing packing = choosePacking(mesh);
             const auto kind = size_t(packing.vertices);
             const size_t stored[kKinds] = {floats.size(), compacts.size(), flats.size()};
             GpuMesh m{packing, 0, uint32_t(mesh.indices.size()), int32_t(stored[kind]), mesh.material, material.alphaTested, !material.doubleSided};

@@ -194,7 +194,7 @@ private:
     }
 
     void submitVolumes(const gl::Program& program, measure::Ledger& tally) {
-        casters_.collect();
+        if (!masked()) casters_.collect();  // else the mask has, and its survivors index that list
         glViewport(0, 0, frame_.camera().width, frame_.camera().height);
         glEnable(GL_DEPTH_TEST);
         glDepthMask(GL_FALSE);
