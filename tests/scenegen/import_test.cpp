@@ -14,7 +14,7 @@ namespace dapple::scenegen {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path kFixtures = fs::path(DAPPLE_SOURCE_DIR) / "tests/fixtures";
+const fs::path kFixtures = base::homeFolder() / "tests/fixtures";
 
 std::string base64(std::string_view bytes) {
     static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -348,7 +348,7 @@ TEST(RealScenes, UnknownOrUnfetchedNamesSayWhatToDo) {
     EXPECT_FALSE(isRealScene("monza"));
     EXPECT_EQ(listRealScenes().size(), 3u);
     EXPECT_STREQ(realSceneScript("forza").argument, "forza");
-    for (const SceneEntry& scene : listRealScenes()) EXPECT_TRUE(fs::exists(fs::path(DAPPLE_SOURCE_DIR) / realSceneScript(scene.name).file));
+    for (const SceneEntry& scene : listRealScenes()) EXPECT_TRUE(fs::exists(base::homeFolder() / realSceneScript(scene.name).file));
     EXPECT_THROW(realSceneScript("monza"), base::UsageError);
     EXPECT_THROW(realScenePath("monza"), base::UsageError);
 }
