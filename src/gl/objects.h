@@ -49,6 +49,7 @@ public:
     /// Replaces the first `bytes` (data null: leaves them undefined); grows the storage (new name) when it is too small.
     void update(size_t bytes, const void* data);
     GLuint name() const { return handle_.name(); }
+    explicit operator bool() const { return bool(handle_); }
     size_t bytes() const { return bytes_; }
 
 private:

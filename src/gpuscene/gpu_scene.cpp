@@ -194,25 +194,44 @@ void GpuScene::setMaterial(uint32_t index, GLuint program) const {
     glBindSampler(1, alphaSampler_.name());
 }
 
+void GpuScene::drawMeshes(uint32_t prototype, Bucket bucket, Attributes attributes, GLuint program, Faces faces, uint32_t& material,
+                          const std::function<void(const GpuMesh&, GLenum)>& submit) const {
+    const GLint gridLocation = glGetUniformLocation(program, "uGrid");
+    for (const GpuMesh& mesh : prototypes_[prototype].meshes) {
+        if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
+        if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, program);
+        (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
+        glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
+        glProgramUniform4fv(program, gridLocation, 1, &mesh.packing.grid.x);
+        submit(mesh, mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT);
+    }
+}
+
 DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces) const {
     DrawCount count;
     for (const auto& arrays : arrays_)
         glVertexArrayVertexBuffer(arrays[int(attributes)].name(), kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
-    const GLint gridLocation = glGetUniformLocation(program, "uGrid");
     uint32_t material = ~0u;
-    for (const DrawList::Range& range : list.ranges)
-        for (const GpuMesh& mesh : prototypes_[range.prototype].meshes) {
-            if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
-            if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, program);
-            (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
-            glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
-            glProgramUniform4fv(program, gridLocation, 1, &mesh.packing.grid.x);
-            glDrawElementsInstancedBaseVertexBaseInstance(
-                GL_TRIANGLES, GLsizei(mesh.indexCount), mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT,
-                reinterpret_cast<const void*>(mesh.indexOffset), GLsizei(range.count), mesh.baseVertex, range.first);
-            ++count.draws;
-            count.triangles += size_t(mesh.indexCount / 3) * range.count;
+    if (list.commands) {
+        glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.commands.name());
+        size_t command = 0;  // of the prototype's first mesh, of either bucket
+        for (uint32_t p = 0; p < prototypes_.size(); ++p) {
+            const GpuMesh* first = prototypes_[p].meshes.data();
+            drawMeshes(p, bucket, attributes, program, faces, material, [&](const GpuMesh& mesh, GLenum type) {
+                glDrawElementsIndirect(GL_TRIANGLES, type, reinterpret_cast<const void*>((command + size_t(&mesh - first)) * sizeof(IndirectCommand)));
+                ++count.draws;
+            });
+            command += prototypes_[p].meshes.size();
         }
+    } else {
+        for (const DrawList::Range& range : list.ranges)
+            drawMeshes(range.prototype, bucket, attributes, program, faces, material, [&](const GpuMesh& mesh, GLenum type) {
+                glDrawElementsInstancedBaseVertexBaseInstance(GL_TRIANGLES, GLsizei(mesh.indexCount), type, reinterpret_cast<const void*>(mesh.indexOffset),
+                                                              GLsizei(range.count), mesh.baseVertex, range.first);
+                ++count.draws;
+                count.triangles += size_t(mesh.indexCount / 3) * range.count;
+            });
+    }
     glDisable(GL_CULL_FACE);
     return count;
 }

@@ -23,7 +23,8 @@ const std::vector<Axis> kAxes{
     {"cull", "casters left out of a map, or of the volumes",
      {{"none", "none"},
       {"frustum", "those whose shadow cannot reach the part of the view that the map serves"},
-      {"mask", "those whose shadow cannot reach a receiver in sight, found on the GPU"}}},
+      {"mask", "those whose shadow cannot reach a receiver in sight, found on the GPU"},
+      {"pyramid", "those that cover no texel that a receiver in sight looks up, or lie behind all such receivers, found on the GPU"}}},
     {"bias", "what moves the receiver off its own surface",
      {{"constant", "along the light"},
       {"slope", "along the light, the least that suffices for the receiver's plane and the filter's kernel"},
@@ -152,7 +153,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
     if (info.family == "volume") {
         if (facts.casters && !facts.closed) return "silhouettes need closed casters; this scene has open ones, as foliage of single leaves is";
         if (facts.alphaTested) return "silhouettes follow triangles, not what an alpha test leaves of them";
-        if (is("cull", "mask")) return "receiver masks are for the volumes of instanced maps; silhouettes are culled by frustum";
+        if (is("cull", "mask") || is("cull", "pyramid")) return "silhouettes are culled by frustum; receiver masks are for maps and for the volumes of instanced maps";
         return std::nullopt;
     }
     if (number("size") > limits.maxTextureSize)
@@ -175,6 +176,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
+        if (is("cull", "pyramid")) return "the pyramid is over one map's window; the volumes of instanced maps have cull mask";
         if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";
     }
     return std::nullopt;

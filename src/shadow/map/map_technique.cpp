@@ -3,12 +3,14 @@
 #include "shadow/families.h"
 
 #include "shadow/map/caster_cull.h"
+#include "visibility/receiver_pyramid.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <numbers>
+#include <optional>
 
 namespace dapple::shadow {
 namespace {
@@ -34,16 +36,26 @@ public:
         std::vector<std::string> defines = samplingDefines(settings);
         if (kind_ == FitKind::lispsm) defines.push_back("WARPED");
         resolve_ = gl::Program("passes/fullscreen.vert", "shadow/map_resolve.frag", defines);
+        if (is("cull", "pyramid") && map_.name()) {
+            receivers_.emplace(frame.scene(), size_, layers_);
+            scatter_ = gl::Program::compute("shadow/map_receivers.comp", defines);
+        }
     }
 
     std::vector<frame::Pass> passes() override {
         fitCascades();
         std::vector<frame::Pass> passes;
-        std::vector<std::string> reads{"gbuffer", "depth"};
+        std::vector<std::string> reads{"gbuffer", "depth"}, mapReads;
+        if (receivers_) {
+            const bool some = std::any_of(cascades_.begin(), cascades_.end(), [&](const Cascade& c) { return needed(c).empty(); });
+            passes.push_back({"receivers", reads, {"receivers"}, "where the look-ups of the visible receivers fall in the maps, and how far from the sun",
+                              some ? "" : needed(cascades_[0]), [this](measure::Ledger& tally) { markReceivers(tally); }});
+            mapReads.push_back("receivers");
+        }
         for (int i = 0; i < layers_; ++i) {
             const std::string name = layers_ == 1 ? "map" : fmt::format("map{}", i);
             const std::string leftOut = needed(cascades_[size_t(i)]);
-            passes.push_back({name, {}, {name}, "depth of the casters seen from the sun", leftOut,
+            passes.push_back({name, mapReads, {name}, "depth of the casters seen from the sun", leftOut,
                               [this, i](measure::Ledger& tally) { renderMap(i, tally); }});
             if (leftOut.empty()) reads.push_back(name);
         }
@@ -75,6 +87,8 @@ private:
         gl::Framebuffer target;
         gpuscene::DrawList casters;
     };
+
+    bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
 
     /// Why a cascade's map is not needed; empty when it is.
     std::string needed(const Cascade& cascade) const {
@@ -115,18 +129,11 @@ private:
     }
 
     void renderMap(int index, measure::Ledger& tally) {
-        if (index == 0) fitCascades();
+        if (index == 0 && !receivers_) fitCascades();
         Cascade& c = cascades_[size_t(index)];
         const gpuscene::GpuScene& scene = frame_.scene();
-        // The kernel reaches r + ½ texels; a normal offset moves the receiver by up to (2r + 1) times its scale.
-        const double r = kernelRadius(settings_);
-        const double reach = r + 1.5 + (settings_.at("bias") == "normal-offset" ? (2 * r + 1) * std::stod(settings_.at("bias-scale")) : 0);
-        const CasterCull cull(basis_, frame_.camera(), c.body, reach * std::numbers::sqrt2 * c.fit.maxTexel);
-        const bool all = settings_.at("cull") == "none";
-        const auto keep = [&](uint32_t i) {
-            return scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && (all || cull.keep(frame_.relativeBox(i)));
-        };
-        scene.collect(frame_.camera().eye, keep, c.casters);
+        if (receivers_) receivers_->choose({index, c.fit.clipFromRelative, frame_.camera().eye, 1e-3 * c.fit.leastW}, c.casters);
+        else collectOnCpu(c);
         glBindFramebuffer(GL_FRAMEBUFFER, c.target.name());
         glViewport(0, 0, size_, size_);
         const float one = 1;
@@ -137,9 +144,36 @@ private:
         drawCasters(scene, c.casters, c.fit.clipFromRelative, depth_, depthAlpha_, tally);
     }
 
-    void resolve(measure::Ledger& tally) {
-        glBindFramebuffer(GL_FRAMEBUFFER, frame_.visibilityTarget().name());
-        glViewport(0, 0, frame_.camera().width, frame_.camera().height);
+    /// The casters that can darken the part of the view that a map serves.
+    void collectOnCpu(Cascade& c) {
+        const gpuscene::GpuScene& scene = frame_.scene();
+        // The kernel reaches r + ½ texels; a normal offset moves the receiver by up to (2r + 1) times its scale.
+        const double r = kernelRadius(settings_);
+        const double reach = r + 1.5 + (is("bias", "normal-offset") ? (2 * r + 1) * std::stod(settings_.at("bias-scale")) : 0);
+        const CasterCull cull(basis_, frame_.camera(), c.body, reach * std::numbers::sqrt2 * c.fit.maxTexel);
+        const bool all = is("cull", "none");
+        const auto keep = [&](uint32_t i) {
+            return scene.prototypes()[scene.scene().instances[i].prototype].castsShadow && (all || cull.keep(frame_.relativeBox(i)));
+        };
+        scene.collect(frame_.camera().eye, keep, c.casters);
+    }
+
+    /// Into the finest level of the pyramid, by the resolve's own look-ups.
+    void markReceivers(measure::Ledger& tally) {
+        fitCascades();
+        receivers_->clear();
+        setLookup(scatter_);
+        scatter_.set("uCells", glm::vec2(receivers_->cells(), float(receivers_->cells()) / float(size_)));
+        scatter_.use();
+        frame_.bindGeometry();
+        glBindImageTexture(0, receivers_->texture().name(), 0, GL_TRUE, 0, GL_READ_WRITE, GL_R32UI);
+        glDispatchCompute(GLuint(frame_.camera().width + 15) / 16, GLuint(frame_.camera().height + 7) / 8, 1);
+        receivers_->reduce();
+        ++tally.drawCalls;
+    }
+
+    /// Uniforms of lib/map_lookup.glsl.
+    void setLookup(const gl::Program& program) const {
         std::array<glm::mat4, 8> clips{};
         std::array<glm::vec4, 8> splits{}, texels{};
         for (size_t i = 0; i < cascades_.size(); ++i) {
@@ -150,15 +184,21 @@ private:
             if (!fit.empty) texels[i] = {float(extent(0)), float(extent(1)), 0, 0};
             splits[i] = {float(cascades_[i].far), float(fit.depthRange * 0x1p-23), needed(cascades_[i]).empty(), 0};
         }
-        frame_.setView(resolve_);
-        resolve_.set("uBasisU", glm::vec3(basis_.u));
-        resolve_.set("uBasisV", glm::vec3(basis_.v));
-        resolve_.set("uLightClips[0]", std::span<const glm::mat4>(clips.data(), cascades_.size()));
-        resolve_.set("uSplits[0]", std::span<const glm::vec4>(splits.data(), cascades_.size()));
-        resolve_.set("uTexels[0]", std::span<const glm::vec4>(texels.data(), cascades_.size()));
-        resolve_.set("uLayers", layers_);
-        resolve_.set("uSize", float(size_));
-        resolve_.set("uBiasScale", std::stof(settings_.at("bias-scale")));
+        frame_.setView(program);
+        program.set("uBasisU", glm::vec3(basis_.u));
+        program.set("uBasisV", glm::vec3(basis_.v));
+        program.set("uLightClips[0]", std::span<const glm::mat4>(clips.data(), cascades_.size()));
+        program.set("uSplits[0]", std::span<const glm::vec4>(splits.data(), cascades_.size()));
+        program.set("uTexels[0]", std::span<const glm::vec4>(texels.data(), cascades_.size()));
+        program.set("uLayers", layers_);
+        program.set("uSize", float(size_));
+        program.set("uBiasScale", std::stof(settings_.at("bias-scale")));
+    }
+
+    void resolve(measure::Ledger& tally) {
+        glBindFramebuffer(GL_FRAMEBUFFER, frame_.visibilityTarget().name());
+        glViewport(0, 0, frame_.camera().width, frame_.camera().height);
+        setLookup(resolve_);
         resolve_.use();
         frame_.bindGeometry();
         glBindTextureUnit(3, map_.name());
@@ -174,7 +214,8 @@ private:
     LightBasis basis_;
     gl::Texture map_;
     gl::Sampler sampler_;
-    gl::Program depth_, depthAlpha_, resolve_;
+    gl::Program depth_, depthAlpha_, resolve_, scatter_;
+    std::optional<visibility::ReceiverPyramid> receivers_;
     std::vector<Cascade> cascades_;
 };
 
