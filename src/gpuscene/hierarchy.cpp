@@ -204,11 +204,12 @@ void Hierarchy::tightBounds(uint32_t node, int depth, double areaRatio, std::vec
     const double limit = areaRatio * surfaceArea(nodes_[node].box);
     double area = surfaceArea(nodes_[node].box);
     std::vector<uint32_t> level{node}, next;
-    for (; depth > 0 && !level.empty(); --depth) {
+    for (; !level.empty(); --depth) {
         next.clear();
         for (const uint32_t n : level) {
             const Node& parent = nodes_[n];
-            const double opened = parent.leaf() ? limit + 1 : area - surfaceArea(parent.box) + surfaceArea(nodes_[n + 1].box) + surfaceArea(nodes_[parent.right].box);
+            if (parent.box.empty()) continue;
+            const double opened = depth <= 0 || parent.leaf() ? std::numeric_limits<double>::infinity() : area - surfaceArea(parent.box) + surfaceArea(nodes_[n + 1].box) + surfaceArea(nodes_[parent.right].box);
             if (opened > limit) {
                 into.push_back(n);
                 continue;
@@ -218,7 +219,6 @@ void Hierarchy::tightBounds(uint32_t node, int depth, double areaRatio, std::vec
         }
         level.swap(next);
     }
-    into.insert(into.end(), level.begin(), level.end());
 }
 
 }  // namespace dapple::gpuscene

@@ -46,7 +46,7 @@ public:
     void refit(std::span<const uint32_t> items, std::span<const base::Box> boxes);
 
     /// Appends nodes whose boxes together enclose all of `node`, more tightly than its own (CHC++, section 4.4): breadth first
-    /// at most `depth` levels down, as long as the sum of their surface areas is ≤ `areaRatio` × that of the node.
+    /// at most `depth` levels down, as long as the sum of their surface areas is ≤ `areaRatio` × that of the node. Empty ones are left out.
     void tightBounds(uint32_t node, int depth, double areaRatio, std::vector<uint32_t>& into) const;
 
 private:

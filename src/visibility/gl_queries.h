@@ -40,8 +40,6 @@ public:
     uint64_t wait(Query query) override;
 
 private:
-    uint64_t take(Query query, GLuint result);
-
     GLenum target_;
     QueryState state_;
     gl::Program plain_, masked_;

@@ -47,7 +47,7 @@ struct CullSettings {
     uint64_t threshold = 0;  ///< samples: a box is visible when more pass. 0 is exact, more loses what is seen through gaps
     // CHC++ alone:
     int batch = 50;          ///< b ≥ 1: invisible nodes that gather before multiqueries are issued
-    int assumedVisible = 5;  ///< n_av ≥ 0: frames that a visible leaf is not asked again
+    int assumedVisible = 5;  ///< n_av ≥ 0: a visible leaf is asked again that many frames later, at the next frame at the earliest
     int tightDepth = 3;      ///< d_max and
     double tightArea = 1.4;  ///< s_max of Hierarchy::tightBounds
     uint64_t seed = 1;       ///< of the random numbers that spread the queries of visible leaves over the frames
@@ -90,6 +90,7 @@ private:
     struct Pending {
         Query query;
         std::vector<uint32_t> nodes;
+        uint64_t boxes;
     };
     std::vector<Node> nodes_;
     std::vector<Pending> leftOver_, dropped_;  // queries of visible leaves, issued at the end of the last frame
@@ -119,16 +120,15 @@ private:
         bool operator<(const Entry& other) const { return key != other.key ? key > other.key : node > other.node; }  // nearest on top
     };
 
+    void enqueue(uint32_t node);
     void visit(uint32_t node);
     void traverse(uint32_t node);
     void drawQueued();
     void askInvisible();
     void issue(std::vector<uint32_t> nodes);
-    void askVisible();
-    void handle(ViewState::Pending pending, uint64_t samples);
+    void handle(const ViewState::Pending& pending, uint64_t samples);
     void found(uint32_t node, bool visible);
     void pullUp(uint32_t node);
-    bool wasVisible(uint32_t node) const;
     ViewState::Node& at(uint32_t node) { return state_->nodes_[node]; }
     uint64_t blockOn(Query query);
 
