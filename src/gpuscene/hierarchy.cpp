@@ -9,7 +9,6 @@
 namespace dapple::gpuscene {
 namespace {
 
-constexpr size_t kBins = 16;
 constexpr size_t kParallelItems = 4096;  // a subtree of fewer is built by one thread
 
 struct Item {
@@ -24,23 +23,33 @@ struct Bin {
     base::Box box;
     uint64_t triangles = 0;
     uint32_t count = 0;
+    /// What the heuristic charges for it: area · triangles.
+    double cost() const {
+        const glm::vec3 size = box.size();
+        return 2 * double(size.x * size.y + size.y * size.z + size.z * size.x) * double(triangles);
+    }
     void add(const Bin& other) {
-        box.extend(other.box);
+        box.lo = glm::min(box.lo, other.box.lo);  // an empty one changes nothing
+        box.hi = glm::max(box.hi, other.box.hi);
         triangles += other.triangles;
         count += other.count;
     }
 };
 
+/// As many as tell a few items apart: half of all nodes hold less than three.
+size_t binsFor(size_t items) { return items < 8 ? 4 : items < 64 ? 8 : 16; }
+
 /// Of an axis: which bin an item falls into.
 struct Binning {
-    Binning(const base::Box& centres, int along) : axis(along), lo(centres.lo[along]) {
+    Binning(const base::Box& centres, int along, size_t bins) : axis(along), lo(centres.lo[along]), last(bins - 1) {
         const float extent = centres.hi[along] - lo;
-        scale = extent > 0 ? float(kBins) / extent : 0;
+        scale = extent > 0 ? float(bins) / extent : 0;
         if (!std::isfinite(scale)) scale = 0;  // denormal extent
     }
-    size_t of(const Item& item) const { return std::min(size_t((position(item.box, axis) - lo) * scale), kBins - 1); }
+    size_t of(const Item& item) const { return std::min(size_t((position(item.box, axis) - lo) * scale), last); }
     int axis;
     float lo, scale;
+    size_t last;
 };
 
 struct Split {
@@ -79,7 +88,8 @@ private:
         base::Box centres;
         for (size_t i = begin; i < end; ++i) {
             const base::Box& box = items_[i].box;
-            node.box.extend(box);
+            node.box.lo = glm::min(node.box.lo, box.lo);
+            node.box.hi = glm::max(node.box.hi, box.hi);
             node.triangles += items_[i].triangles;
             centres.extend(box.lo + box.hi);
         }
@@ -87,12 +97,13 @@ private:
         node.firstItem = uint32_t(begin);
         node.itemCount = uint32_t(end - begin);
         if (end - begin == 1 || node.triangles <= settings_.leafTriangles) return;
-        const Split split = bestSplit(begin, end, centres);
+        const size_t bins = binsFor(end - begin);
+        const Split split = bins == 4 ? bestSplit<4>(begin, end, centres) : bins == 8 ? bestSplit<8>(begin, end, centres) : bestSplit<16>(begin, end, centres);
         if (split.axis < 0) return;
         const double area = surfaceArea(node.box);
         // Points on a line have no area that could tell what a split is worth.
         if (area > 0 && split.cost + settings_.visitTriangles * area >= area * double(node.triangles)) return;
-        const Binning binning(centres, split.axis);
+        const Binning binning(centres, split.axis, bins);
         const auto middle = std::partition(items_.begin() + ptrdiff_t(begin), items_.begin() + ptrdiff_t(end), [&](const Item& item) { return binning.of(item) < split.bin; });
         const auto at = size_t(middle - items_.begin());
         const size_t right = slot + 2 * (at - begin);
@@ -107,9 +118,10 @@ private:
         }
     }
 
+    template <size_t kBins>
     Split bestSplit(size_t begin, size_t end, const base::Box& centres) const {
         std::array<std::array<Bin, kBins>, 3> bins;
-        const std::array<Binning, 3> binnings{Binning(centres, 0), Binning(centres, 1), Binning(centres, 2)};
+        const std::array<Binning, 3> binnings{Binning(centres, 0, kBins), Binning(centres, 1, kBins), Binning(centres, 2, kBins)};
         for (size_t i = begin; i < end; ++i)
             for (const Binning& binning : binnings) {
                 if (binning.scale == 0) continue;
@@ -129,7 +141,7 @@ private:
             for (size_t b = 1; b < kBins; ++b) {
                 left.add(of[b - 1]);
                 if (left.count == 0 || fromRight[b].count == 0) continue;
-                const double cost = surfaceArea(left.box) * double(left.triangles) + surfaceArea(fromRight[b].box) * double(fromRight[b].triangles);
+                const double cost = left.cost() + fromRight[b].cost();
                 if (cost < best.cost) best = {binning.axis, b, cost};
             }
         }
