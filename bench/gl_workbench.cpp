@@ -45,7 +45,7 @@ private:
 
 class CountedPasses final : public frame::PassObserver {
 public:
-    void beginPass(const frame::Pass& pass) override { counters_.begin(pass.name); }
+    void beginPass(const frame::Pass& pass) override { counters_.begin(pass.name, pass.asksOcclusion); }
     void endPass(const frame::Pass&, const measure::Ledger& ledger) override {
         counters_.end();
         ledgers.push_back(ledger);
