@@ -6,6 +6,7 @@
 #include "gpuscene/gpu_scene.h"
 #include "truth/reference.h"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -46,7 +47,12 @@ public:
     /// Draws the triangle that covers the screen.
     void drawFullscreen() const;
 
-    Pass gbufferPass();
+    /// Draws what the camera sees; decides what that is.
+    using Culling = std::function<void(const gpuscene::Submit&)>;
+    /// Without a culling: the instances whose boxes meet the view frustum.
+    Pass gbufferPass(Culling culling = {});
+    /// Instances that the last G-buffer pass drew; empty where the GPU chose them.
+    const std::vector<uint32_t>& drawnInstances() const { return drawn_; }
     Pass shadePass(bool shadowed);
     Pass barePass();  ///< everything, nothing culled, forward, straight to `shaded`
 
@@ -65,6 +71,7 @@ public:
 private:
     struct Programs;
     base::DBox relative(const base::Box& box) const;
+    void setGeometryState() const;
     void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally,
                       gpuscene::Faces faces = gpuscene::Faces::front);
 
@@ -76,6 +83,7 @@ private:
     gl::VertexArray noAttributes_;
     gl::Sampler nearest_;
     gpuscene::DrawList visible_, everything_;
+    std::vector<uint32_t> drawn_;
     std::shared_ptr<const Programs> gbuffer_, bare_, count_;
     gl::Program shade_, shadeUnshadowed_;
 };

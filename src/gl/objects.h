@@ -63,6 +63,8 @@ public:
     Texture() = default;
     /// Throws base::Error(failed) when the driver has no memory for it.
     Texture(GLenum internalFormat, int width, int height, int layers = 0, int levels = 1);
+    /// One layer of an array, as a 2D texture that shares its texels; they live as long as either.
+    Texture view(int layer) const;
     GLuint name() const { return handle_.name(); }
     int width() const { return width_; }
     int height() const { return height_; }

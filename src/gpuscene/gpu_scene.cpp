@@ -144,14 +144,36 @@ size_t GpuScene::textureBytes() const {
     return sum;
 }
 
+const Hierarchy& GpuScene::hierarchy(uint64_t leafTriangles, bool castersOnly) const {
+    auto [entry, made] = hierarchies_.try_emplace({leafTriangles, castersOnly});
+    if (made) {
+        std::vector<base::Box> boxes;
+        std::vector<uint32_t> triangles;
+        for (uint32_t i = 0; i < boxes_.size(); ++i) {
+            const GpuPrototype& prototype = prototypes_[scene_->instances[i].prototype];
+            boxes.push_back(castersOnly && !prototype.castsShadow ? base::Box{} : boxes_[i]);
+            triangles.push_back(uint32_t(prototype.triangles));
+        }
+        entry->second = Hierarchy(boxes, triangles, {.leafTriangles = leafTriangles});
+    }
+    return entry->second;
+}
+
 void GpuScene::collect(const glm::dvec3& eye, const std::function<bool(uint32_t)>& keep, DrawList& list) const {
+    std::vector<uint32_t> kept;
+    for (uint32_t i = 0; i < boxes_.size(); ++i)
+        if (!boxes_[i].empty() && keep(i)) kept.push_back(i);
+    collect(eye, kept, list);
+}
+
+void GpuScene::collect(const glm::dvec3& eye, std::span<const uint32_t> instances, DrawList& list) const {
     struct Item {
         uint32_t instance, prototype;
         double distance;
     };
     std::vector<Item> items;
-    for (uint32_t i = 0; i < boxes_.size(); ++i) {
-        if (boxes_[i].empty() || !keep(i)) continue;
+    items.reserve(instances.size());
+    for (const uint32_t i : instances) {
         const glm::dvec3 nearest = glm::clamp(eye, glm::dvec3(boxes_[i].lo), glm::dvec3(boxes_[i].hi));
         items.push_back({i, scene_->instances[i].prototype, glm::distance(nearest, eye)});
     }

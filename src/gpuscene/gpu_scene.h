@@ -1,10 +1,12 @@
 #pragma once
 
 #include "gl/objects.h"
+#include "gpuscene/hierarchy.h"
 #include "gpuscene/pack.h"
 #include "scenegen/scene.h"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -90,14 +92,17 @@ public:
     /// Boxes of all instances, metres from Scene::origin.
     std::span<const base::Box> instanceBoxes() const { return boxes_; }
     const base::Box& box() const { return box_; }  ///< all of them together
-    /// Made on first use.
+    /// Both are made on first use. The hierarchy is over instances, or over those that cast.
     const InstanceTable& instanceTable() const;
+    const Hierarchy& hierarchy(uint64_t leafTriangles, bool castersOnly) const;
     size_t bufferBytes() const;
     size_t textureBytes() const;
 
     /// Fills and uploads `list` with the instances that `keep` accepts, seen from `eye` (metres from
     /// Scene::origin), nearest first. `keep` gets the index of an instance.
     void collect(const glm::dvec3& eye, const std::function<bool(uint32_t instance)>& keep, DrawList& list) const;
+    /// The same with these instances.
+    void collect(const glm::dvec3& eye, std::span<const uint32_t> instances, DrawList& list) const;
 
     /// Submits the meshes of a bucket, their grid set as uGrid on `program`. Unless `attributes` is position alone, the material is set on `program`
     /// (uAlbedo = colour and specular strength, uTextured) and its texture bound to units 0 (colour) and 1
@@ -123,6 +128,7 @@ private:
     gl::VertexArray arrays_[kKinds][4];  // by Attributes
     gl::Sampler colourSampler_, alphaSampler_;
     mutable std::shared_ptr<InstanceTable> instanceTable_;
+    mutable std::map<std::pair<uint64_t, bool>, Hierarchy> hierarchies_;
     bool hasOpaque_ = false, hasAlpha_ = false, hasOpaqueTextures_ = false;
 };
 

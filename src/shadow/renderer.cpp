@@ -17,6 +17,7 @@ frame::Pass nightPass(frame::Frame& frame) {
 
 Renderer::Renderer(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings)
     : frame_(frame), info_(info), lamps_(frame), hasVisibility_(info.name != "bare"), shadowed_(info.family != "baseline") {
+    if (hasVisibility_) camera_.emplace(frame, settings);
     if (shadowed_ && frame.sunUp()) technique_ = makeTechnique(frame, info, settings);
     if (shadowed_ && !frame.sunUp()) fallback_ = info.name + " → night: the sun is not above the horizon";
     replan();
@@ -28,7 +29,7 @@ void Renderer::replan() {
         passes_.push_back(frame_.barePass());
         return;
     }
-    passes_.push_back(frame_.gbufferPass());
+    passes_.push_back(frame_.gbufferPass(camera_->culling()));
     if (technique_) {
         for (frame::Pass& pass : technique_->passes()) passes_.push_back(std::move(pass));
     } else if (shadowed_) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "frame/lamps.h"
+#include "shadow/culling.h"
 #include "shadow/technique.h"
 
 #include <optional>
@@ -35,6 +36,7 @@ public:
 private:
     frame::Frame& frame_;
     const TechniqueInfo& info_;
+    std::optional<CameraCulling> camera_;
     frame::Lamps lamps_;
     bool hasVisibility_ = true, shadowed_ = true;
     std::string fallback_;
