@@ -320,6 +320,20 @@ TEST(OcclusionCuller, WhatIsDrawnAlreadyIsVisibleAndLeftAlone) {
     }
 }
 
+// A proxy that the near plane cuts may report nothing: it is not asked.
+TEST(OcclusionCuller, WhatHoldsTheEyeIsDrawnWithoutAQuestion) {
+    const World world = row(64);
+    const CullView inside = CullView::camera({20.25, 0.5, 0.5}, cameraMatrix({1, 0, 0}, 1, 1, kNear, 300), kNear);
+    for (const Algorithm algorithm : {Algorithm::chc, Algorithm::chcpp}) {
+        OcclusionCuller culler(world.hierarchy, {.algorithm = algorithm});
+        ViewState state;
+        Script nothingPasses;
+        culler.cull(inside, state, nothingPasses, nothingPasses);
+        ASSERT_EQ(nothingPasses.drawn.size(), 1u);
+        EXPECT_EQ(world.hierarchy.items(nothingPasses.drawn[0])[0], 20u);
+    }
+}
+
 TEST(OcclusionCuller, NoNodesNoWork) {
     const Hierarchy nothing;
     OcclusionCuller culler(nothing, {});
