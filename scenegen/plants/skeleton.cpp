@@ -172,6 +172,8 @@ private:
     void steer(const Stem& stem, int id, glm::dmat3 frame, int segment, double correction, std::vector<Fork>& forks) {
         const LevelParameters& p = species_.levels[size_t(stem.level)];
         course_.clear();
+        if (p.curve == 0 && p.curveBack == 0 && p.curveV == 0 && p.segSplits == 0 && correction == 0 && stem.level >= 2)
+            return steerUpright(frame[2], p.curveRes);
         base::Random curve(seed_, uint64_t(id), kCurve), split(seed_, uint64_t(id), kSplit);
         const glm::dmat3 helixAxis = p.curveV < 0 ? rotateX(frame, p.curveV) : frame;
         const double helixTurn = p.curveV < 0 ? (curve.next() < 0.5f ? -kHelixTurn : kHelixTurn) : 0;
@@ -187,6 +189,19 @@ private:
             }
             course_.push_back(frame[2]);
             if (s + 1 < p.curveRes) fork(stem, p, s, frame, correction, split, forks);
+        }
+    }
+
+    /// steer() for a stem that nothing but vertical attraction bends: it stays in one upright plane.
+    void steerUpright(const glm::dvec3& along, int segments) {
+        const double across = std::sqrt(along.x * along.x + along.y * along.y);
+        const glm::dvec2 to = across < 1e-6 ? glm::dvec2(0) : glm::dvec2(along) / across;
+        double decl = det::acos(along.z), sine = across;
+        for (int s = 0; s < segments; ++s) {
+            decl -= std::clamp(species_.attractionUp * decl * sine / segments, -decl, decl);
+            const auto [sin, cos] = det::sinCos(decl);
+            course_.emplace_back(to * sin, cos);
+            sine = sin;
         }
     }
 
