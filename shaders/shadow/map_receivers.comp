@@ -5,7 +5,7 @@
 #endif
 layout(local_size_x = 16, local_size_y = 8) in;
 #ifdef MASK
-layout(r8, binding = 0) uniform restrict writeonly image2DArray uReceivers;
+layout(r8, binding = 0) uniform restrict coherent image2DArray uReceivers;
 #else
 layout(r32ui, binding = 0) uniform restrict coherent uimage2DArray uReceivers;
 #endif
@@ -24,7 +24,7 @@ void main() {
         for (int x = first.x; x <= last.x; ++x) {
             ivec3 cell = ivec3(x, y, at.layer);
 #ifdef MASK
-            imageStore(uReceivers, cell, vec4(1.0));
+            if (imageLoad(uReceivers, cell).r < 0.5) imageStore(uReceivers, cell, vec4(1.0));
 #else
             uint key = receiverKey(at.z);
             if (imageLoad(uReceivers, cell).r < key) imageAtomicMax(uReceivers, cell, key);  // most are beaten already

@@ -19,13 +19,18 @@ void main() {
     if (p.casts == 0u) return;
     vec3 position = relativePosition(i), lo = vec3(1e30), hi = vec3(-1e30);
     bool known = true;
+    uint outside = 15u;  // a bit for each side of the window that all corners so far are beyond; w may be negative there
     for (uint corner = 0u; corner < 8u; ++corner) {
         vec4 q = uClip * vec4(boxCorner(i, p, position, corner), 1.0);
         known = known && q.w > uLeastW;
+        vec4 beyond = vec4(q.x + q.w, q.w - q.x, q.y + q.w, q.w - q.y);
+        for (int side = 0; side < 4; ++side)
+            if (beyond[side] >= 0.0) outside &= ~(1u << side);
         vec3 ndc = q.xyz / q.w;
         lo = min(lo, ndc);
         hi = max(hi, ndc);
     }
+    if (outside != 0u && !known) return;
     if (known) {
         vec2 first = floor((lo.xy * 0.5 + 0.5) * uCells - uMargin), last = floor((hi.xy * 0.5 + 0.5) * uCells + uMargin);
         if (any(lessThan(last, vec2(0.0))) || any(greaterThanEqual(first, vec2(uCells)))) return;

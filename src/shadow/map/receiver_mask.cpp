@@ -10,6 +10,13 @@ namespace dapple::shadow {
 
 using gpuscene::Bucket;
 
+namespace {
+
+/// Along a side. Boxes are metres wide: finer masks find few casters more, and cost a store for each texel that a kernel reads.
+constexpr int kMostCells = 512;
+
+}  // namespace
+
 ReceiverMask::ReceiverMask(const frame::Frame& frame, const Settings& settings, const gl::Texture& map, const std::vector<std::string>& lookupDefines)
     : frame_(frame),
       kind_(settings.at("mask") == "scatter"    ? Kind::scatter
@@ -18,7 +25,7 @@ ReceiverMask::ReceiverMask(const frame::Frame& frame, const Settings& settings, 
             : settings.at("mask") == "fragment" ? Kind::fragment
                                                 : Kind::fragmentOr),
       size_(map.width()), reach_(int(std::ceil(kernelRadius(settings) + 1))), nearest_(gl::makeSampler({})) {
-    const int cells = std::min(size_, 1024);
+    const int cells = std::min(size_, kMostCells);
     cells_ = gl::Texture(GL_R8, cells, cells, map.layers());
     for (int i = 0; i < map.layers(); ++i) masks_.push_back(cells_.view(i));
     if (settings.at("mask-test") == "stencil") stencil_ = gl::Program("passes/fullscreen.vert", "shadow/mask_stencil.frag");
@@ -60,7 +67,7 @@ void ReceiverMask::scatter(measure::Ledger& tally) {
     scatter_.set("uCells", glm::vec2(cells_.width(), float(cells_.width()) / float(size_)));
     scatter_.use();
     frame_.bindGeometry();
-    glBindImageTexture(0, cells_.name(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R8);
+    glBindImageTexture(0, cells_.name(), 0, GL_TRUE, 0, GL_READ_WRITE, GL_R8);
     glDispatchCompute(GLuint(frame_.camera().width + 15) / 16, GLuint(frame_.camera().height + 7) / 8, 1);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     ++tally.drawCalls;
