@@ -18,7 +18,11 @@ struct CasterType {
 };
 layout(std430, binding = 1) restrict readonly buffer Casters { Caster casters[]; };
 layout(std430, binding = 2) restrict readonly buffer CasterTypes { CasterType casterTypes[]; };
-layout(std430, binding = 3) restrict readonly buffer Windows { vec4 windows[]; };  // by map: centre, 1 / half size
+struct CasterMap {
+    vec4 window;     // centre, 1 / half size
+    vec4 square;     // in the atlas: x, y, page, side
+};
+layout(std430, binding = 3) restrict readonly buffer CasterMaps { CasterMap casterMaps[]; };
 
 vec3 toBoxAxes(Caster c, vec3 p) {
     return vec3(c.cosSinYaw.x * p.x + c.cosSinYaw.y * p.y, c.cosSinYaw.x * p.y - c.cosSinYaw.y * p.x, p.z);
@@ -47,7 +51,6 @@ vec2 reachOf(Caster c, CasterType type, vec3 centre, vec3 reach) {
 #ifdef LOOK_UP
 layout(binding = 3) uniform MAP_SAMPLER uMap;
 uniform vec3 uBasisU, uBasisV;
-uniform float uSize;
 
 bool inVolume(Caster c, CasterType type, vec3 p) {
     vec2 along = withinBox(toBoxAxes(c, (p - c.place.xyz) / c.place.w) - type.centre.xyz, type.half_.xyz, toBoxAxes(c, uLight));
@@ -68,15 +71,32 @@ vec3 mapCoordinates(uint map, CasterType type, vec3 q, float turn, bool inside) 
     float c = cos(turn), s = sin(turn);
     q = vec3(c * q.x - s * q.y, s * q.x + c * q.y, q.z);
 #endif
-    vec4 w = windows[map];
+    vec4 w = casterMaps[map].window;
     vec2 uv = (vec2(dot(q, uBasisU), dot(q, uBasisV)) - w.xy) * w.zw * 0.5 + 0.5;
-    return vec3(uv * uSize, (dot(q, uLight) + along - type.depth.x) * type.depth.y);
+    return vec3(uv * casterMaps[map].square.w, (dot(q, uLight) + along - type.depth.x) * type.depth.y);
 }
+
+// Extent of a map's texel along the map's axes, metres in the caster's own scale.
+vec2 texelOf(uint map) { return 2.0 / (casterMaps[map].square.w * casterMaps[map].window.zw); }
+
+// Beside a map's square lies another's: outside of its own is the far plane.
+bool outside(vec4 square, vec2 texels) { return any(lessThan(texels, vec2(0.0))) || any(greaterThanEqual(texels, vec2(square.w))); }
+
+#if MODE == 2
+float depthIn(uint map, vec2 texels) {
+    vec4 square = casterMaps[map].square;
+    return outside(square, texels) ? 1.0 : texelFetch(uMap, ivec3(square.xy + floor(texels), square.z), 0).r;
+}
+#else
+float litIn(uint map, vec3 s) {
+    vec4 square = casterMaps[map].square;
+    return outside(square, s.xy) ? 1.0 : filtered(uMap, MapSquare(square.xyz, square.w, float(textureSize(uMap, 0).x)), s.xy, s.z);
+}
+#endif
 
 // Share of the sun that caster c lets through to a receiver at p (relative to the eye) that faces the sun.
 float lookUp(Caster c, CasterType type, vec3 p, vec3 normal) {
-    vec4 w0 = windows[c.firstMap], w1 = windows[c.secondMap];
-    vec2 texel = 2.0 / uSize / min(w0.zw, w1.zw) * c.place.w;
+    vec2 texel = max(texelOf(c.firstMap), texelOf(c.secondMap)) * c.place.w;
     float depthStep = c.place.w / type.depth.y * 1.1920929e-7;
     vec2 slope = abs(vec2(dot(normal, uBasisU), dot(normal, uBasisV))) * texel / max(-dot(normal, uLight), 1e-4);
     p = biased(p, normal, uLight, max(texel.x, texel.y), slope, vec2(0.0), depthStep);
@@ -86,12 +106,12 @@ float lookUp(Caster c, CasterType type, vec3 p, vec3 normal) {
     bool first = c.weight < 0.5;
 #if MODE == 0    // the nearer map alone
     vec3 s = first ? s0 : s1;
-    return filtered(uMap, float(first ? c.firstMap : c.secondMap), s.xy, uSize, s.z);
+    return litIn(first ? c.firstMap : c.secondMap, s);
 #elif MODE == 1  // binary results, blended
-    float lit = filtered(uMap, float(c.firstMap), s0.xy, uSize, s0.z);
-    return c.weight > 0.0 ? mix(lit, filtered(uMap, float(c.secondMap), s1.xy, uSize, s1.z), c.weight) : lit;
+    float lit = litIn(c.firstMap, s0);
+    return c.weight > 0.0 ? mix(lit, litIn(c.secondMap, s1), c.weight) : lit;
 #else            // depths, interpolated before the comparison; a cleared texel is not a depth
-    float d0 = texture(uMap, vec3(s0.xy / uSize, c.firstMap)).r, d1 = texture(uMap, vec3(s1.xy / uSize, c.secondMap)).r;
+    float d0 = depthIn(c.firstMap, s0.xy), d1 = depthIn(c.secondMap, s1.xy);
     float z0 = min(s0.z, 1.0), z1 = min(s1.z, 1.0);
     if (d0 < 1.0 && d1 < 1.0) return mix(d0 - z0, d1 - z1, c.weight) < 0.0 ? 0.0 : 1.0;
     return (first ? d0 < z0 : d1 < z1) ? 0.0 : 1.0;

@@ -59,5 +59,5 @@ void main() {
 #endif
     vec4 moved = clip * vec4(biased(p, normal, uLight, texel, slope, flatSlope, uSplits[layer].y), 1.0);
     vec3 s = moved.xyz / moved.w;
-    oVisibility.r = filtered(uMap, float(layer), (s.xy * 0.5 + 0.5) * uSize, uSize, s.z);
+    oVisibility.r = filtered(uMap, MapSquare(vec3(0.0, 0.0, layer), uSize, uSize), (s.xy * 0.5 + 0.5) * uSize, s.z);
 }

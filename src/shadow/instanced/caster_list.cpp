@@ -16,6 +16,12 @@ struct GpuCasterType {
 };
 static_assert(sizeof(GpuCasterType) == 48);
 
+struct GpuCasterMap {
+    glm::vec4 window;  ///< centre, 1 / half size
+    glm::vec4 square;  ///< x, y, page, side in the atlas
+};
+static_assert(sizeof(GpuCasterMap) == 32);
+
 }  // namespace
 
 void CasterList::uploadTypes() {
@@ -27,7 +33,12 @@ void CasterList::uploadTypes() {
         types.push_back({glm::vec4(type.box.centre(), 0), glm::vec4(half, kappa * kappa), {type.depthNear, 1 / (type.depthFar - type.depthNear)}, {}});
     }
     typeBuffer_.update(types.size() * sizeof(GpuCasterType), types.data());
-    windowBuffer_.update(maps_.windows().size() * sizeof(glm::vec4), maps_.windows().data());
+    std::vector<GpuCasterMap> maps;
+    for (size_t i = 0; i < maps_.windows().size(); ++i) {
+        const MapAtlas::Place& place = maps_.atlas().places()[i];
+        maps.push_back({maps_.windows()[i], {place.x, place.y, place.page, place.side}});
+    }
+    mapBuffer_.update(maps.size() * sizeof(GpuCasterMap), maps.data());
     mapsVersion_ = maps_.version();
 }
 
@@ -38,7 +49,7 @@ CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
     // One map at the rotation that all instances have is every instance's own.
     const RotationSample sample = sampleRotation(count == 1 ? double(instance.yaw) - type.angles[0] : double(instance.yaw), count);
     const double step = 2 * std::numbers::pi / count;
-    const auto first = uint32_t(type.firstLayer);
+    const auto first = uint32_t(type.firstMap);
     return {glm::vec4(glm::vec3(glm::dvec3(instance.translation) - frame_.camera().eye), instance.scale),
             {float(std::cos(double(instance.yaw))), float(std::sin(double(instance.yaw)))},
             uint32_t(maps_.typeOf(index)), first + sample.first, sample.weight, first + (sample.first + 1) % uint32_t(count),
@@ -87,7 +98,7 @@ void CasterList::collect() {
 void CasterList::bind() const {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, casterBuffer_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, typeBuffer_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, windowBuffer_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, mapBuffer_.name());
 }
 
 }  // namespace dapple::shadow

@@ -12,7 +12,7 @@ public:
 
     /// Anew for the frame's present view.
     void collect();
-    /// Binds casters, types and windows to storage buffers 1, 2 and 3.
+    /// Binds casters, types and maps to storage buffers 1, 2 and 3.
     void bind() const;
 
     size_t size() const { return casters_.size(); }
@@ -40,8 +40,8 @@ private:
     std::vector<GpuCaster> casters_;
     size_t notAboutEye_ = 0;
     Extrusion extrusion_;
-    int mapsVersion_ = -1;  ///< that types and windows on the GPU have
-    gl::Buffer casterBuffer_, typeBuffer_, windowBuffer_;
+    int mapsVersion_ = -1;  ///< that types and maps on the GPU have
+    gl::Buffer casterBuffer_, typeBuffer_, mapBuffer_;
 };
 
 }  // namespace dapple::shadow

@@ -1,6 +1,5 @@
 #include "shadow/instanced/caster_maps.h"
 
-#include "base/error.h"
 #include "shadow/families.h"
 
 #include <fmt/format.h>
@@ -19,22 +18,24 @@ CasterMaps::CasterMaps(const frame::Frame& frame, const Settings& settings)
       basis_(lightBasis(frame.light(), {0, 0, 1})), size_(std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
     makeTypes(settings);
     if (types_.empty()) return;
-    const auto layers = int(windows_.size());
-    GLint limit = 0;
-    glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &limit);
-    if (layers > limit)
-        throw base::Error(base::ExitCode::failed, fmt::format("{} maps of {} casters are more than this GL's {} layers: fewer rotations or own maps", layers, types_.size(), limit));
-    array_ = gl::Texture(GL_DEPTH_COMPONENT32F, size_, size_, layers);
-    for (int i = 0; i < layers; ++i) targets_.push_back(gl::makeFramebuffer({}, &array_, i));
+    atlas_.arrange(sides_, due_);
     if (scene_.has(Bucket::opaque)) depth_ = gl::Program("shadow/map_depth.vert", "");
     if (scene_.has(Bucket::alphaTested)) depthAlpha_ = gl::Program("shadow/map_depth.vert", "shadow/map_depth.frag", {"ALPHA_TEST"});
-    setAllDue();
     choose();
 }
 
+void CasterMaps::resize(const std::vector<int>& sides) {
+    if (sides == sides_) return;
+    sides_ = sides;
+    for (CasterType& type : types_) fit(type);
+    atlas_.arrange(sides_, due_);
+    ++version_;
+}
+
 void CasterMaps::addType(CasterType type) {
-    type.firstLayer = int(windows_.size());
+    type.firstMap = int(windows_.size());
     windows_.resize(windows_.size() + type.angles.size());
+    sides_.resize(windows_.size(), size_);
     rotated_.data.resize(windows_.size());
     rotated_.ranges.resize(windows_.size());
     fit(type);
@@ -84,7 +85,7 @@ void CasterMaps::makeTypes(const Settings& settings) {
 }
 
 void CasterMaps::setAllDue() {
-    for (int layer = 0; layer < int(windows_.size()); ++layer) due_.insert(layer);
+    for (int map = 0; map < int(windows_.size()); ++map) due_.insert(map);
 }
 
 void CasterMaps::choose() {
@@ -114,7 +115,7 @@ void CasterMaps::choose() {
         type.prototype = scene.instances[instance].prototype;
         type.angles = {double(scene.instances[instance].yaw)};
         fit(type);
-        due_.insert(type.firstLayer);
+        due_.insert(type.firstMap);
         changed = true;
     }
     version_ += changed;
@@ -122,11 +123,11 @@ void CasterMaps::choose() {
 
 void CasterMaps::fit(CasterType& type) {
     type.box = scene_.prototypes()[type.prototype].box;
-    const double share = std::max(0.5, 1 - 2 * pad_ / size_);
     double texel = 0;
     type.depthNear = 1e300, type.depthFar = -1e300;
     for (size_t k = 0; k < type.angles.size(); ++k) {
-        const size_t layer = size_t(type.firstLayer) + k;
+        const size_t map = size_t(type.firstMap) + k;
+        const double share = std::max(0.5, 1 - 2 * pad_ / sides_[map]);
         const double c = std::cos(type.angles[k]), s = std::sin(type.angles[k]);
         base::DBox bounds;
         for (int corner = 0; corner < 8; ++corner) {
@@ -134,12 +135,12 @@ void CasterMaps::fit(CasterType& type) {
             bounds.extend(basis_.toLight({c * q.x - s * q.y, s * q.x + c * q.y, q.z}));
         }
         const glm::dvec3 half = glm::max(bounds.halfSize(), glm::dvec3(1e-6)) / glm::dvec3(share, share, 1);
-        windows_[layer] = {bounds.centre().x, bounds.centre().y, 1 / half.x, 1 / half.y};
+        windows_[map] = {bounds.centre().x, bounds.centre().y, 1 / half.x, 1 / half.y};
         type.depthNear = std::min(type.depthNear, bounds.lo.z);
         type.depthFar = std::max(type.depthFar, bounds.hi.z);
-        texel = std::max(texel, 2 * std::max(half.x, half.y) / size_);
-        rotated_.ranges[layer] = {type.prototype, uint32_t(layer), 1};
-        rotated_.data[layer] = {glm::vec3(0), 1, {float(c), float(s)}};
+        texel = std::max(texel, 2 * std::max(half.x, half.y) / sides_[map]);
+        rotated_.ranges[map] = {type.prototype, uint32_t(map), 1};
+        rotated_.data[map] = {glm::vec3(0), 1, {float(c), float(s)}};
     }
     // Receivers within the kernel's reach of a shadow's edge need the volume too.
     type.box.lo -= float(pad_ * texel);
@@ -149,7 +150,7 @@ void CasterMaps::fit(CasterType& type) {
 }
 
 glm::dmat4 CasterMaps::clip(const CasterType& type, int k) const {
-    const glm::vec4& w = windows_[size_t(type.firstLayer + k)];
+    const glm::vec4& w = windows_[size_t(type.firstMap + k)];
     const double range = type.depthFar - type.depthNear;
     return glm::transpose(glm::dmat4(glm::dvec4(basis_.u * double(w.z), -double(w.x) * w.z), glm::dvec4(basis_.v * double(w.w), -double(w.y) * w.w),
                                      glm::dvec4(basis_.l / range, -type.depthNear / range), glm::dvec4(0, 0, 0, 1)));
@@ -168,17 +169,16 @@ void CasterMaps::render(measure::Ledger& tally) {
     if (due_.empty()) return;
     rotated_.upload();
     const std::vector<gpuscene::DrawList::Range> all = rotated_.ranges;
-    glViewport(0, 0, size_, size_);
     glEnable(GL_DEPTH_TEST);
     for (const CasterType& type : types_)
         for (size_t k = 0; k < type.angles.size(); ++k) {
-            const int layer = type.firstLayer + int(k);
-            if (!due_.contains(layer)) continue;
-            glBindFramebuffer(GL_FRAMEBUFFER, targets_[size_t(layer)].name());
+            const int map = type.firstMap + int(k);
+            if (!due_.contains(map)) continue;
+            atlas_.target(map);
             const float one = 1;
             glClearBufferfv(GL_DEPTH, 0, &one);
-            tally.texelsWritten += size_t(size_) * size_t(size_);
-            rotated_.ranges = {all[size_t(layer)]};
+            tally.texelsWritten += size_t(sides_[size_t(map)]) * size_t(sides_[size_t(map)]);
+            rotated_.ranges = {all[size_t(map)]};
             drawCasters(scene_, rotated_, clip(type, int(k)), depth_, depthAlpha_, tally);
         }
     rotated_.ranges = all;

@@ -62,7 +62,7 @@ public:
     }
 
     std::vector<LightMatrix> matrices() const override { return maps_.matrices(); }
-    const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.array(); }
+    const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.atlas().texture(); }
 
     bool countOverdraw() override { return countVolumes(count_, &frame_.depth()); }
     // Each volume is convex, so without a depth test it has one fragment per pixel, and membership alone decides.
@@ -124,11 +124,10 @@ private:
         frame_.setView(program);
         program.set("uBasisU", glm::vec3(maps_.basis().u));
         program.set("uBasisV", glm::vec3(maps_.basis().v));
-        program.set("uSize", float(maps_.array().width()));
         program.set("uBiasScale", std::stof(settings_.at("bias-scale")));
         program.set("uCasters", int(casters_.size()));
         frame_.bindGeometry();
-        glBindTextureUnit(3, maps_.array().name());
+        glBindTextureUnit(3, maps_.atlas().texture().name());
         glBindSampler(3, sampler_.name());
         casters_.bind();
         program.use();
