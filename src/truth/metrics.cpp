@@ -105,6 +105,20 @@ ErrorMetrics measureError(const Reference& reference, std::span<const float> vis
     return m;
 }
 
+Flips measureFlips(const Reference& before, const Reference& now, std::span<const float> visibilityBefore, std::span<const float> visibility) {
+    Flips flips;
+    size_t both = 0;
+    for (size_t i = 0; i < now.label.size(); ++i) {
+        if (!inOmega(before.label[i]) || !inOmega(now.label[i])) continue;
+        ++both;
+        const double change = std::abs(double(visibility[i]) - double(visibilityBefore[i]));
+        flips.image += std::isfinite(change) ? change : 1.0;
+        flips.reference += before.label[i] != now.label[i];
+    }
+    if (both > 0) flips.image /= double(both), flips.reference /= double(both);
+    return flips;
+}
+
 double referenceFloor(const Reference& reference) {
     const Counts n = count(reference);
     size_t differing = 0;

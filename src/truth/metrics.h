@@ -31,6 +31,16 @@ struct ErrorMetrics {
 /// `visibility`: width · height of the reference, rows from the top, 0 = shadow, 1 = lit.
 ErrorMetrics measureError(const Reference& reference, std::span<const float> visibility);
 
+/// Change of an image from one frame to the next under a camera that stands still, means over the pixels that are in Ω in
+/// both frames; 0 without any.
+struct Flips {
+    double image = 0;      ///< mean |V − V before|, not thresholded
+    double reference = 0;  ///< the same of G
+    /// Popping: what the image changes more than the truth does. Below 0 where it lags behind.
+    double excess() const { return image - reference; }
+};
+Flips measureFlips(const Reference& before, const Reference& now, std::span<const float> visibilityBefore, std::span<const float> visibility);
+
 /// Reference floor: the error below which a figure says nothing about a technique, a share. It is the
 /// ambiguous share plus the error of half a pixel of discretisation, measured on G itself: half of the mean,
 /// over the four directions, of the share of Ω whose neighbour in that direction (in Ω) carries the other
