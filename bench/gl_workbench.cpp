@@ -272,7 +272,7 @@ const truth::Reference& SharedFrame::reference() {
     truth::Reference reference;
     if (!frame.sunUp()) {
         // No direct light at all: nothing that a technique could get right or wrong.
-        reference = {receivers.width, receivers.height, std::vector<truth::Label>(receivers.present.size(), truth::Label::excluded)};
+        reference = {receivers.width, receivers.height, std::vector<truth::Label>(receivers.present.size(), truth::Label::excluded), {}};
     } else {
         if (!loaded->tracer) loaded->tracer.emplace(loaded->scene);
         reference = truth::cachedReference(*loaded->tracer, loaded->hash, receivers, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");

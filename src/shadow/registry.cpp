@@ -180,6 +180,8 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
+        if (facts.translucent && is("accumulate", "min")) return "the darkest of several shadows is not what translucent casters let through: accumulate multiply";
+        if (facts.translucent && is("accumulate", "stencil")) return "a stencil bit stops at the first shadow, but translucent casters' add up: accumulate multiply";
         if (!is("update", "round-robin") && !is("budget", info.defaults.at("budget").c_str())) return "only update round-robin has a budget";
         if (is("update", "moving") && !facts.moving) return "nothing moves in this scene: update cached";
         if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";

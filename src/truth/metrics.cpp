@@ -89,7 +89,7 @@ ErrorMetrics measureError(const Reference& reference, std::span<const float> vis
     double sum = 0;
     for (size_t i = 0; i < pixels; ++i) {
         if (!inOmega(reference.label[i])) continue;
-        const double difference = std::abs(double(visibility[i]) - (darkG[i] ? 0.0 : 1.0));
+        const double difference = std::abs(double(visibility[i]) - double(reference.value(i)));
         sum += std::isfinite(difference) ? difference : 1.0;  // no visibility at all is wholly wrong
         if (darkG[i] != darkV[i]) ++wrong[darkG[i]][toG[i] > kBoundaryPixels];
     }
@@ -113,7 +113,7 @@ Flips measureFlips(const Reference& before, const Reference& now, std::span<cons
         ++both;
         const double change = std::abs(double(visibility[i]) - double(visibilityBefore[i]));
         flips.image += std::isfinite(change) ? change : 1.0;
-        flips.reference += before.label[i] != now.label[i];
+        flips.reference += std::abs(double(now.value(i)) - double(before.value(i)));
     }
     if (both > 0) flips.image /= double(both), flips.reference /= double(both);
     return flips;

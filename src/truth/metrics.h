@@ -8,7 +8,7 @@
 namespace dapple::truth {
 
 /// Error of a visibility image V against the reference G, over the valid set Ω = {lit, shadowed}.
-/// V is thresholded at ½ (lit from ½ on) for all but meanAbsolute; a V that is not finite is wholly wrong.
+/// V and G are thresholded at ½ (lit from ½ on) for all but meanAbsolute; a V that is not finite is wholly wrong.
 /// Shares are of |Ω| unless stated; 0 when Ω is empty. The boundary of an image is the pixels of Ω with a
 /// 4-neighbour in Ω of the other class: an excluded or ambiguous neighbour makes no edge.
 struct ErrorMetrics {

@@ -11,8 +11,10 @@ namespace {
 
 struct GpuCasterType {
     glm::vec4 centre, half;  ///< of the box; centre.w: metres that its maps' shadows may stray from its volume, half.w: κ²
+    float transmittance;
+    float padding[3];
 };
-static_assert(sizeof(GpuCasterType) == 32);
+static_assert(sizeof(GpuCasterType) == 48);
 
 struct GpuCasterMap {
     glm::vec4 window;  ///< centre, 1 / half size
@@ -25,13 +27,14 @@ static_assert(sizeof(GpuCasterMap) == 48);
 }  // namespace
 
 void CasterList::uploadTypes() {
+    const scenegen::Scene& scene = frame_.scene().scene();
     std::vector<GpuCasterType> types;
     for (size_t t = 0; t < maps_.types().size(); ++t) {
         const CasterType& type = maps_.types()[t];
         const glm::vec3 half = type.box.halfSize();
         const glm::vec2 reach = glm::max(glm::abs(glm::vec2(type.box.lo)), glm::abs(glm::vec2(type.box.hi)));
         const float kappa = std::max(reach.x, reach.y) / std::max(half.z, 1e-6f);
-        types.push_back({glm::vec4(type.box.centre(), strays_[t]), glm::vec4(half, kappa * kappa)});
+        types.push_back({glm::vec4(type.box.centre(), strays_[t]), glm::vec4(half, kappa * kappa), scene.prototypes[type.prototype].transmittance, {}});
     }
     typeBuffer_.update(types.size() * sizeof(GpuCasterType), types.data());
     std::vector<GpuCasterMap> maps;

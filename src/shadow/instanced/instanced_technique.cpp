@@ -99,6 +99,7 @@ private:
         std::vector<std::string> volume = look;
         if (is("apply", "skip")) volume.push_back("SKIP_TEST");
         if (masked()) volume.push_back("MASKED");
+        if (frame_.scene().facts().translucent) volume.push_back("TRANSLUCENT");
         if (is("apply", "tiled")) {
             resolve_ = gl::Program::compute("shadow/instanced_tiled.comp", look);
         } else if (is("apply", "all")) {
