@@ -55,6 +55,7 @@ Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullpt
     if (!device_) throw base::Error(base::ExitCode::failed, "Embree does not start on this machine: the reference needs it (libembree3)");
     for (const scenegen::Texture& texture : scene.textures) masks_.emplace_back(texture.image);
     prototypes_.resize(scene.prototypes.size());
+    translucent_ = scene.facts().translucent;
     for (const scenegen::Prototype& prototype : scene.prototypes) transmittances_.push_back(prototype.transmittance);
     std::vector<float> reach(prototypes_.size()), edge(prototypes_.size());
     for (const scenegen::Instance& instance : scene.instances) {
@@ -62,7 +63,6 @@ Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullpt
         if (!scene.prototypes[id].castsShadow || scene.prototypes[id].triangles() == 0) continue;
         if (!prototypes_[id].scene) {
             build(scene, id);
-            translucent_ |= scene.prototypes[id].transmittance > 0;
             const base::Box box = scene.prototypes[id].box();
             const glm::vec3 far = glm::max(glm::abs(box.lo), glm::abs(box.hi));
             reach[id] = std::max({far.x, far.y, far.z});
@@ -77,11 +77,16 @@ Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullpt
     requireNoError();
 }
 
+/// No light through shared edges; and filters of rays, if rays have any.
+RTCSceneFlags Occluders::sceneFlags() const {
+    return translucent_ ? RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION) : RTC_SCENE_FLAG_ROBUST;
+}
+
 void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
     const std::vector<scenegen::Mesh>& meshes = scene.prototypes[id].meshes;
     Prototype& prototype = prototypes_[id];
     prototype.scene.reset(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(prototype.scene.get(), RTC_SCENE_FLAG_ROBUST);  // no light through shared edges
+    rtcSetSceneFlags(prototype.scene.get(), sceneFlags());
     rtcSetSceneBuildQuality(prototype.scene.get(), RTC_BUILD_QUALITY_HIGH);
     prototype.meshes.resize(meshes.size());
     for (size_t m = 0; m < meshes.size(); ++m) {
@@ -114,7 +119,7 @@ void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
 
 Occluders::Placement Occluders::placeAround(const glm::dvec3& eye) const {
     Placement placement{SceneHandle(rtcNewScene(device_.get())), {}};
-    rtcSetSceneFlags(placement.scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(placement.scene.get(), sceneFlags());
     placement.instances.reserve(instances_.size());
     for (const scenegen::Instance& instance : instances_) {
         const glm::vec3 t(glm::dvec3(instance.translation) - eye);

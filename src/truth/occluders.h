@@ -76,6 +76,7 @@ private:
         std::vector<OccluderMesh> meshes;
     };
     void build(const scenegen::Scene& scene, uint32_t prototype);
+    RTCSceneFlags sceneFlags() const;
     void requireNoError() const;
 
     DeviceHandle device_;
