@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace dapple::bench {
 namespace {
@@ -61,15 +62,26 @@ class GlPoint final : public OpenPoint {
 public:
     GlPoint(std::shared_ptr<SharedFrame> shared, measure::Timer& timer, const PointSpec& spec)
         : shared_(std::move(shared)), timer_(timer), freeBefore_(measure::driverFreeBytes()),
-          renderer_(shared_->frame, shadow::technique(spec.technique), spec.settings), passNames_(frame::runningPasses(renderer_.passes())) {
+          renderer_(shared_->frame, shadow::technique(spec.technique), spec.settings), passNames_(frame::runningPasses(renderer_.passes())), path_(spec.path) {
         gl::checkErrors(("making technique " + spec.technique).c_str());
         driverBytes_ = measure::driverFreeBytes();
         if (driverBytes_) driverBytes_ = *freeBefore_ - std::min(*driverBytes_, *freeBefore_);
+        if (!path_) return;
+        // Passes that only a sun that has moved makes necessary are passes of every frame.
+        moveTo(1);
+        renderer_.replan();
+        passNames_ = frame::runningPasses(renderer_.passes());
     }
 
     const std::vector<std::string>& passNames() const override { return passNames_; }
 
+    void beginBlocks() override {
+        submitted_ = 0;
+        if (path_) restart();
+    }
+
     void submitFrame(bool perPass) override {
+        if (path_) moveTo(path_->frameOf(submitted_++));
         TimedPasses observer(timer_);
         timer_.beginFrame(perPass);
         renderer_.render(observer);
@@ -83,6 +95,86 @@ public:
     }
 
     std::vector<Figure> counters() override {
+        if (!path_) return countersOfFrame(true);
+        return overPath([&](int frame) { return countersOfFrame(frame == path_->frames - 1); });
+    }
+
+    std::vector<Figure> errors() override {
+        if (!renderer_.hasVisibility()) return {};
+        if (!path_) return errorsOfFrame();
+        std::vector<float> before;
+        const truth::Reference* referenceBefore = nullptr;
+        return overPath([&](int frame) {
+            if (frame == 1) {
+                before = renderer_.visibility();
+                moveTo(0);
+                referenceBefore = &shared_->reference();
+                moveTo(1);
+            }
+            std::vector<Figure> figures = errorsOfFrame();
+            std::vector<float> now = renderer_.visibility();
+            const truth::Reference& reference = shared_->reference();
+            const truth::Flips flips = truth::measureFlips(*referenceBefore, reference, before, now);
+            figures.push_back(figure("", "flips", flips.image));
+            figures.push_back(figure("", "reference_flips", flips.reference));
+            figures.push_back(figure("", "excess_flips", flips.excess()));
+            const auto staleness = renderer_.technique() ? renderer_.technique()->staleness() : std::nullopt;
+            if (staleness) {
+                figures.push_back(figure("", "map_age_mean", staleness->meanFrames));
+                figures.push_back(figure("", "map_age_worst", staleness->worstFrames));
+                figures.push_back(figure("", "map_lag_mean", staleness->meanDegrees));
+                figures.push_back(figure("", "map_lag_worst", staleness->worstDegrees));
+            }
+            before = std::move(now);
+            referenceBefore = &reference;
+            return figures;
+        });
+    }
+
+    std::vector<PassNote> leftOut() const override {
+        std::vector<PassNote> notes;
+        for (const frame::Pass& pass : renderer_.passes())
+            if (!pass.leftOut.empty()) notes.push_back({pass.name, pass.leftOut});
+        return notes;
+    }
+    std::string fallback() const override { return renderer_.fallback(); }
+
+private:
+    void moveTo(int frame) { shared_->moveTo(*path_, frame); }
+
+    /// To the path's beginning, with nothing late.
+    void restart() {
+        moveTo(0);
+        renderer_.refresh();
+    }
+
+    /// Means of what `figuresOf` gives in frames 1, 2 … of the path, after a frame 0; one that any frame misses is missing.
+    template <class Figures>
+    std::vector<Figure> overPath(const Figures& figuresOf) {
+        restart();
+        frame::PassObserver silent;
+        renderer_.render(silent);
+        std::vector<Figure> figures;
+        std::map<std::pair<std::string, std::string>, std::pair<size_t, std::vector<double>>> series;  // by pass and metric
+        for (int frame = 1; frame < path_->frames; ++frame) {
+            moveTo(frame);
+            for (Figure& f : figuresOf(frame)) {
+                const auto [entry, isNew] = series.try_emplace({f.pass, f.metric}, figures.size(), std::vector<double>{});
+                if (f.value) entry->second.second.push_back(*f.value);
+                if (isNew) figures.push_back(std::move(f));
+            }
+        }
+        for (auto& [key, found] : series) {
+            auto& [index, values] = found;
+            if (values.empty()) continue;
+            figures[index].value = std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+            if (values.size() > 1) figures[index].spread = measure::summarise(std::span(&values, 1), 0);
+        }
+        return figures;
+    }
+
+    /// `all`: with those that take frames of their own.
+    std::vector<Figure> countersOfFrame(bool all) {
         CountedPasses observer;
         renderer_.render(observer);
         const std::vector<measure::PassCounters> passes = observer.results();
@@ -101,6 +193,7 @@ public:
         }
         for (const auto& [metric, sum] : totals) figures.push_back(figure("", metric, sum));
         appendLedger(figures, "", total);
+        if (!all) return figures;
         const gl::Texture* map = renderer_.technique() ? renderer_.technique()->map() : nullptr;
         const double texels = map ? double(map->width()) * map->height() * std::max(map->layers(), 1) : 0;
         figures.push_back(figure("", "texels_allocated", texels));
@@ -112,8 +205,7 @@ public:
         return figures;
     }
 
-    std::vector<Figure> errors() override {
-        if (!renderer_.hasVisibility()) return {};
+    std::vector<Figure> errorsOfFrame() {
         const truth::Reference& reference = shared_->reference();
         frame::PassObserver silent;
         renderer_.render(silent);
@@ -141,15 +233,6 @@ public:
         return figures;
     }
 
-    std::vector<PassNote> leftOut() const override {
-        std::vector<PassNote> notes;
-        for (const frame::Pass& pass : renderer_.passes())
-            if (!pass.leftOut.empty()) notes.push_back({pass.name, pass.leftOut});
-        return notes;
-    }
-    std::string fallback() const override { return renderer_.fallback(); }
-
-private:
     static void appendLedger(std::vector<Figure>& figures, std::string_view pass, const measure::Ledger& ledger) {
         figures.push_back(figure(pass, "draw_calls", double(ledger.drawCalls)));
         figures.push_back(figure(pass, "triangles_submitted", double(ledger.trianglesSubmitted)));
@@ -169,24 +252,32 @@ private:
     std::optional<uint64_t> freeBefore_, driverBytes_;
     shadow::Renderer renderer_;
     std::vector<std::string> passNames_;
+    std::optional<SunPath> path_;
+    long submitted_ = 0;  ///< timed frames
 };
 
 }  // namespace
 
+void SharedFrame::moveTo(const SunPath& path, int frameOfPath) {
+    frame.setSun(path.at(loaded->scene.sun, frameOfPath));
+    pathFrame = frameOfPath;
+}
+
 const truth::Reference& SharedFrame::reference() {
-    if (traced) return *traced;
+    if (const auto known = traced.find(pathFrame); known != traced.end()) return known->second;
     frame::PassObserver silent;
     const std::vector<frame::Pass> gbuffer{frame.gbufferPass()};
     frame::execute(gbuffer, silent);
     const truth::Receivers receivers = frame.readReceivers();
+    truth::Reference reference;
     if (!frame.sunUp()) {
         // No direct light at all: nothing that a technique could get right or wrong.
-        traced = truth::Reference{receivers.width, receivers.height, std::vector<truth::Label>(receivers.present.size(), truth::Label::excluded)};
-        return *traced;
+        reference = {receivers.width, receivers.height, std::vector<truth::Label>(receivers.present.size(), truth::Label::excluded), {}};
+    } else {
+        if (!loaded->tracer) loaded->tracer.emplace(loaded->scene);
+        reference = truth::cachedReference(*loaded->tracer, loaded->hash, receivers, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
     }
-    if (!loaded->tracer) loaded->tracer.emplace(loaded->scene);
-    traced = truth::cachedReference(*loaded->tracer, loaded->hash, receivers, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
-    return *traced;
+    return traced.emplace(pathFrame, std::move(reference)).first->second;
 }
 
 GlWorkbench::GlWorkbench(int device, const std::string& backend)
@@ -216,7 +307,7 @@ std::shared_ptr<LoadedScene> GlWorkbench::load(const std::string& name, const st
 
 SceneFacts GlWorkbench::sceneFacts(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) {
     const auto loaded = load(name, settings, stress);
-    SceneFacts facts{loaded->gpu.facts(), loaded->hash, {}};
+    SceneFacts facts{loaded->gpu.facts(), loaded->hash, {}, loaded->scene.sun};
     for (const scenegen::View& view : loaded->scene.views) facts.views.push_back(view.name);
     return facts;
 }
@@ -235,7 +326,9 @@ std::shared_ptr<SharedFrame> GlWorkbench::sharedFrame(const PointSpec& spec) {
 }
 
 std::unique_ptr<OpenPoint> GlWorkbench::open(const PointSpec& spec) {
-    return std::make_unique<GlPoint>(sharedFrame(spec), *timer_, spec);
+    auto shared = sharedFrame(spec);
+    if (spec.path) shared->moveTo(*spec.path, 0);
+    return std::make_unique<GlPoint>(std::move(shared), *timer_, spec);
 }
 
 std::string GlWorkbench::identityJson() {

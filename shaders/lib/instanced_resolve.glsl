@@ -5,6 +5,7 @@
 #if MODE == 2
 #define MAP_SAMPLER sampler2DArray
 #else
+#define ATLAS
 #include "lib/filter.glsl"
 #define MAP_SAMPLER sampler2DArrayShadow
 #endif

@@ -37,7 +37,7 @@ struct Frame::Programs {
 };
 
 Frame::Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int width, int height)
-    : scene_(&scene), camera_(view, width, height), light_(scene.scene().sun.direction()),
+    : scene_(&scene), camera_(view, width, height), sun_(scene.scene().sun), light_(sun_.direction()),
       surface_(GL_RGBA32UI, width, height), depth_(GL_DEPTH_COMPONENT32F, width, height),
       visibility_(GL_RG16F, width, height), shaded_(GL_SRGB8_ALPHA8, width, height), noAttributes_(gl::makeVertexArray()),
       nearest_(gl::makeSampler({})) {
@@ -61,7 +61,7 @@ void Frame::setView(const gl::Program& program) const {
     program.set("uPixel", glm::vec2(1.0 / camera_.width, 1.0 / camera_.height));
     program.set("uClipFromRelative", glm::mat4(camera_.clipFromRelative));
     program.set("uLight", glm::vec3(light_));
-    program.set("uDaylight", daylight(scene_->scene().sun.elevation));
+    program.set("uDaylight", daylight(sun_.elevation));
 }
 
 void Frame::bindGeometry() const {

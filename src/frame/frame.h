@@ -24,8 +24,17 @@ public:
         everything_.data.clear();  // its positions are relative to the eye that was
     }
 
+    /// Moves the sun. Techniques follow in the next frame; a Renderer's passes may change with replan().
+    void setSun(const scenegen::Sun& sun) {
+        sun_ = sun;
+        light_ = sun.direction();
+    }
+    /// To be called when instances have moved (gpuscene::GpuScene::instancesMoved).
+    void instancesMoved() { everything_.data.clear(); }
+
     const gpuscene::GpuScene& scene() const { return *scene_; }
     const Camera& camera() const { return camera_; }
+    const scenegen::Sun& sun() const { return sun_; }
     const glm::dvec3& light() const { return light_; }  ///< unit, direction in which the light travels
     bool sunUp() const { return light_.z < 0; }
     /// Box of an instance, or of the whole scene, relative to the eye.
@@ -77,6 +86,7 @@ private:
 
     const gpuscene::GpuScene* scene_;
     Camera camera_;
+    scenegen::Sun sun_;
     glm::dvec3 light_;
     gl::Texture surface_, depth_, visibility_, shaded_, overdraw_;
     gl::Framebuffer gbufferTarget_, visibilityTarget_, shadedTarget_, bareTarget_, overdrawTarget_, countTarget_;

@@ -92,10 +92,8 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
     // Alpha is tested as the reference tests it: nearest texel of level 0.
     alphaSampler_ = gl::makeSampler({GL_NEAREST, false, GL_REPEAT});
 
-    for (const scenegen::Instance& instance : scene.instances) {
-        boxes_.push_back(scenegen::instanceBox(prototypes_[instance.prototype].box, instance));
-        box_.extend(boxes_.back());
-    }
+    boxes_.resize(scene.instances.size());
+    instancesMoved();
 
     struct Layout {
         GLenum position, uv, normal;
@@ -130,6 +128,15 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
             glVertexArrayBindingDivisor(vao, kInstanceBinding, 1);
             glVertexArrayElementBuffer(vao, indices_.name());
         }
+}
+
+void GpuScene::instancesMoved() {
+    box_ = {};
+    for (size_t i = 0; i < boxes_.size(); ++i) {
+        const scenegen::Instance& instance = scene_->instances[i];
+        boxes_[i] = scenegen::instanceBox(prototypes_[instance.prototype].box, instance);
+        box_.extend(boxes_[i]);
+    }
 }
 
 size_t GpuScene::bufferBytes() const {

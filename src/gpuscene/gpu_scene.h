@@ -86,6 +86,9 @@ class GpuScene {
 public:
     explicit GpuScene(const scenegen::Scene& scene);
 
+    /// To be called when Scene::moveTo has moved instances: their boxes follow.
+    void instancesMoved();
+
     const scenegen::Scene& scene() const { return *scene_; }
     const scenegen::Facts& facts() const { return facts_; }
     std::span<const GpuPrototype> prototypes() const { return prototypes_; }

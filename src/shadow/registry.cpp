@@ -78,7 +78,12 @@ const std::vector<Axis> kAxes{
      {{"stencil", "8 bits that wrap: 256 volumes over one another read as none"},
       {"sum", "32-bit floats, by additive blending: exact to 2^24 volumes"}}},
     {"update", "when maps are rendered",
-     {{"cached", "once; nothing that they depend on changes"}, {"regenerate", "every frame"}}},
+     {{"cached", "when what they depend on has changed: the sun's elevation, a rotation against its azimuth"},
+      {"regenerate", "every frame"},
+      {"moving", "as cached, and every frame those of casters whose shape moves"},
+      {"criterion", "as moving, but a sun that moves makes a map due only when its object's shadow has moved by a texel"},
+      {"round-robin", "those that are behind in turn, budget of them a frame, most-used types first"}}},
+    {"budget", "maps that round-robin renders in a frame", {}, 1, 2048},
 };
 
 /// Beside what the technique itself has.
@@ -94,7 +99,7 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 
 Settings instancedPreset(const char* own) {
     return withCamera({{"size", "512"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
-            {"cull", "frustum"}, {"update", "cached"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
+            {"cull", "frustum"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 
 const std::vector<TechniqueInfo> kTechniques{
@@ -105,8 +110,8 @@ const std::vector<TechniqueInfo> kTechniques{
     {"lispsm", "map", "light-space perspective shadow map (Wimmer, Scherzer, Purgathofer 2004)",
      mapPreset("lispsm", "none", "1", "2048")},
     {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024")},
-    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 2},
-    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 2},
+    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 3},
+    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 3},
     {"stencil-volumes", "volume", "shadow volumes of the casters' silhouettes, counted behind the scene (Crow 1977; Everitt & Kilgard 2002)",
      withCamera({{"count", "stencil"}, {"cull", "frustum"}})},
 };
@@ -211,6 +216,10 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
+        if (facts.translucent && is("accumulate", "min")) return "the darkest of several shadows is not what translucent casters let through: accumulate multiply";
+        if (facts.translucent && is("accumulate", "stencil")) return "a stencil bit stops at the first shadow, but translucent casters' add up: accumulate multiply";
+        if (!is("update", "round-robin") && !is("budget", info.defaults.at("budget").c_str())) return "only update round-robin has a budget";
+        if (is("update", "moving") && !facts.moving) return "nothing moves in this scene: update cached";
         if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";
         if (!is("cull", "frustum") && !is("cull", "mask")) return "that is for one map's window; the volumes of instanced maps have cull mask";
     }

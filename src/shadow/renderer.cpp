@@ -47,7 +47,15 @@ std::vector<float> Renderer::visibility() const {
     return frame_.readVisibility();
 }
 
-std::string Renderer::fallback() const { return technique_ ? technique_->fallback() : fallback_; }
+std::string Renderer::fallback() const {
+    if (!technique_) return fallback_;
+    std::string text = technique_->fallback();
+    if (frame_.scene().facts().translucent && info_.family != "instanced") {
+        if (!text.empty()) text += "; ";
+        text += info_.name + " → opaque casters: only maps of single objects can tell how much light each lets through";
+    }
+    return text;
+}
 
 base::ImageF Renderer::overdraw() {
     frame::PassObserver silent;

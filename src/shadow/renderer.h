@@ -20,6 +20,10 @@ public:
     const std::vector<frame::Pass>& passes() const { return passes_; }
     void render(frame::PassObserver& observer) { frame::execute(passes_, observer); }
 
+    /// Renders what the technique keeps from frame to frame for the frame's present sun, outside of any frame.
+    void refresh() {
+        if (technique_) technique_->refresh();
+    }
     /// False for `bare`, which has no visibility image.
     bool hasVisibility() const { return hasVisibility_; }
     /// V of the last render(), rows from the top; all lit where the technique is `unshadowed`.

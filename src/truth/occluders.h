@@ -61,6 +61,10 @@ public:
     /// is from Scene::origin and however large the scene. `eye`: metres from Scene::origin.
     Placement placeAround(const glm::dvec3& eye) const;
 
+    /// Product of the transmittances of the instances that the ray meets, each counted once; 1 if it meets none.
+    float transmitted(const Placement& placement, const glm::vec3& start, const glm::vec3& direction) const;
+    bool translucent() const { return translucent_; }
+
     bool empty() const { return instances_.empty(); }
     const OccluderMesh& mesh(uint32_t prototype, uint32_t geometry) const { return prototypes_[prototype].meshes[geometry]; }
     float reach() const { return reach_; }              ///< largest scaled coordinate of a prototype, metres
@@ -72,6 +76,7 @@ private:
         std::vector<OccluderMesh> meshes;
     };
     void build(const scenegen::Scene& scene, uint32_t prototype);
+    RTCSceneFlags sceneFlags() const;
     void requireNoError() const;
 
     DeviceHandle device_;
@@ -79,6 +84,8 @@ private:
     std::vector<Prototype> prototypes_;  ///< one per prototype of the scene; no scene where it casts nothing
     std::vector<scenegen::Instance> instances_;
     float reach_ = 0, longestEdge_ = 0;
+    std::vector<float> transmittances_;  ///< by prototype
+    bool translucent_ = false;
 };
 
 }  // namespace dapple::truth

@@ -85,8 +85,21 @@ void setEpsilon(Packet& packet, const Occluders& occluders, const Occluders::Pla
     }
 }
 
-void label(Packet& packet, const Occluders& occluders, const Occluders::Placement& placement, glm::vec3 toSun, std::vector<Label>& labels) {
+void label(Packet& packet, const Occluders& occluders, const Occluders::Placement& placement, glm::vec3 toSun, Reference& reference) {
     setEpsilon(packet, occluders, placement);
+    std::vector<Label>& labels = reference.label;
+    if (occluders.translucent()) {
+        for (int i = 0; i < kLanes; ++i) {
+            if (!packet.active[i]) continue;
+            float shares[std::size(kOffsets)];
+            for (size_t k = 0; k < std::size(kOffsets); ++k)
+                shares[k] = occluders.transmitted(placement, packet.position[i] + kOffsets[k] * packet.epsilon[i] * packet.normal[i], toSun);
+            const bool agree = shares[0] == shares[1] && shares[1] == shares[2];
+            labels[packet.pixel[i]] = !agree ? Label::ambiguous : shares[0] >= 0.5f ? Label::lit : Label::shadowed;
+            reference.transmitted[packet.pixel[i]] = shares[0];
+        }
+        return;
+    }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     // Not RTC_INTERSECT_CONTEXT_FLAG_COHERENT: with it, rtcOccluded16 of Embree 3.13.5 (AVX-512) was seen
@@ -121,7 +134,7 @@ Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const
     const int width = receivers.width, height = receivers.height;
     const size_t pixels = size_t(width) * size_t(height);
     assert(receivers.position.size() == pixels && receivers.normal.size() == pixels && receivers.present.size() == pixels);
-    Reference reference{width, height, std::vector<Label>(pixels, Label::excluded)};
+    Reference reference{width, height, std::vector<Label>(pixels, Label::excluded), {}};
 
     const glm::dvec3 toSun = -light;
     const bool day = toSun.z > 0;
@@ -131,6 +144,7 @@ Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const
         return reference;
     }
 
+    if (impl_->occluders.translucent()) reference.transmitted.assign(pixels, 1.0f);
     const Occluders::Placement placement = impl_->occluders.placeAround(eye);
     const int rows = (height + kBlock - 1) / kBlock;
     base::Progress progress("reference", size_t(rows));
@@ -151,7 +165,7 @@ Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const
                 packet.position[i] = receivers.position[pixel];
                 packet.normal[i] = receivers.normal[pixel];
             }
-            if (any) label(packet, impl_->occluders, placement, glm::vec3(toSun), reference.label);
+            if (any) label(packet, impl_->occluders, placement, glm::vec3(toSun), reference);
         }
         ++done;
         if (const std::unique_lock lock(progressMutex, std::try_to_lock); lock) progress.update(done);

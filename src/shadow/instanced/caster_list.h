@@ -12,13 +12,16 @@ public:
 
     /// Anew for the frame's present view.
     void collect();
-    /// Binds casters, types and windows to storage buffers 1, 2 and 3.
+    /// Binds casters, types and maps to storage buffers 1, 2 and 3.
     void bind() const;
 
     size_t size() const { return casters_.size(); }
     /// So many stand first in the list whose volumes do not hold the eye, nor reach the near plane.
     size_t notAboutEye() const { return notAboutEye_; }
     const Extrusion& extrusion() const { return extrusion_; }
+    /// By type, how many casters of the list look its maps up; by map, whether one does.
+    std::vector<uint32_t> uses() const;
+    std::vector<bool> mapsInUse() const;
 
 private:
     struct GpuCaster {
@@ -32,16 +35,19 @@ private:
     static_assert(sizeof(GpuCaster) == 48);
 
     void uploadTypes();
+    double strayOf(const CasterType& type) const;
     GpuCaster casterOf(uint32_t instance) const;
     bool holdsEye(const GpuCaster& caster) const;
 
     const frame::Frame& frame_;
     const CasterMaps& maps_;
+    double sunTurn_ = 0;
+    std::vector<float> strays_;  ///< by type: metres by which shadows of maps of an earlier sun may leave the present one's volume
     std::vector<GpuCaster> casters_;
     size_t notAboutEye_ = 0;
     Extrusion extrusion_;
-    int mapsVersion_ = -1;  ///< that types and windows on the GPU have
-    gl::Buffer casterBuffer_, typeBuffer_, windowBuffer_;
+    int mapsVersion_ = -1;  ///< that types and maps on the GPU have
+    gl::Buffer casterBuffer_, typeBuffer_, mapBuffer_;
 };
 
 }  // namespace dapple::shadow

@@ -23,10 +23,14 @@ public:
         makePrograms();
         const gl::Texture* visibility[] = {&frame_.visibility()};
         volumeTarget_ = gl::makeFramebuffer(visibility, is("accumulate", "stencil") ? &start_.depth() : &frame_.depth());
-        if (!is("update", "cached") || maps_.types().empty()) return;
+        if (!is("update", "regenerate")) refresh();
+    }
+
+    void refresh() override {
+        if (maps_.types().empty()) return;
         measure::Ledger ignored;
         gl::resetState();
-        maps_.render(ignored);
+        maps_.renderAll(ignored);
         gl::resetState();
     }
 
@@ -35,15 +39,12 @@ public:
         maps_.choose();
         std::string mapsLeftOut, leftOut;
         if (maps_.types().empty()) mapsLeftOut = leftOut = "the scene has no caster";
-        else if (is("update", "cached") && !maps_.due()) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
+        else if (!maps_.outdated()) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes;
-        if (maps_.windows().size() == maps_.types().size() && !is("rotations", "1"))
+        if (maps_.maps().size() == maps_.types().size() && !is("rotations", "1"))
             passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
-        passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.windows().size(), maps_.types().size()), mapsLeftOut,
-                          [this](Ledger& tally) {
-                              if (is("update", "regenerate")) maps_.setAllDue();
-                              maps_.render(tally);
-                          }});
+        passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.maps().size(), maps_.types().size()), mapsLeftOut,
+                          [this](Ledger& tally) { maps_.render(casters_.uses(), tally); }});
         if (is("apply", "tiled") && leftOut.empty()) {
             passes.push_back({"tiles", {"gbuffer", "depth", "maps"}, {"visibility"}, "each tile of the screen finds its casters, each pixel asks them", "",
                               [this](Ledger& tally) { resolveTiles(tally); }});
@@ -62,7 +63,8 @@ public:
     }
 
     std::vector<LightMatrix> matrices() const override { return maps_.matrices(); }
-    const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.array(); }
+    std::optional<Staleness> staleness() const override { return maps_.staleness(casters_.mapsInUse()); }
+    const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.atlas().texture(); }
 
     bool countOverdraw() override { return countVolumes(count_, &frame_.depth()); }
     // Each volume is convex, so without a depth test it has one fragment per pixel, and membership alone decides.
@@ -97,6 +99,7 @@ private:
         std::vector<std::string> volume = look;
         if (is("apply", "skip")) volume.push_back("SKIP_TEST");
         if (masked()) volume.push_back("MASKED");
+        if (frame_.scene().facts().translucent) volume.push_back("TRANSLUCENT");
         if (is("apply", "tiled")) {
             resolve_ = gl::Program::compute("shadow/instanced_tiled.comp", look);
         } else if (is("apply", "all")) {
@@ -122,13 +125,12 @@ private:
     /// Everything that a look-up reads.
     void bind(const gl::Program& program) {
         frame_.setView(program);
-        program.set("uBasisU", glm::vec3(maps_.basis().u));
-        program.set("uBasisV", glm::vec3(maps_.basis().v));
-        program.set("uSize", float(maps_.array().width()));
+        const double heading = sunAngles(frame_.light()).heading;
+        program.set("uHeading", glm::vec2(std::cos(heading), std::sin(heading)));
         program.set("uBiasScale", std::stof(settings_.at("bias-scale")));
         program.set("uCasters", int(casters_.size()));
         frame_.bindGeometry();
-        glBindTextureUnit(3, maps_.array().name());
+        glBindTextureUnit(3, maps_.atlas().texture().name());
         glBindSampler(3, sampler_.name());
         casters_.bind();
         program.use();
