@@ -201,6 +201,7 @@ private:
 
     /// By the resolve's own look-ups, into the finest level of the pyramid or the masks.
     void markReceivers(measure::Ledger& tally) {
+        gl::finishTriangles();
         fitCascades();
         if (mask_) {
             setLookup(mask_->scatterProgram());

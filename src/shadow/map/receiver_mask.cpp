@@ -134,6 +134,7 @@ void ReceiverMask::build(int layer, const gl::Framebuffer& mapTarget, const visi
         glDisable(GL_BLEND);
         glDepthMask(GL_TRUE);
         glEnable(GL_DEPTH_TEST);
+        gl::finishTriangles();
         coarse_.set("uReach", reach_);
         coarse_.use();
         glBindTextureUnit(0, texels_.name());
