@@ -199,6 +199,7 @@ private:
         figures.push_back(figure("", "texels_allocated", texels));
         figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
+        appendCasters(figures);
         if (renderer_.hasVisibility()) appendOverdraw(figures);
         if (const auto volumes = renderer_.candidates())
             figures.push_back(figure("", "candidates", double(std::count_if(volumes->texels.begin(), volumes->texels.end(), [](float n) { return n > 0; }))));
@@ -239,6 +240,20 @@ private:
         figures.push_back(figure(pass, "texels_written", double(ledger.texelsWritten)));
     }
 
+    void appendCasters(std::vector<Figure>& figures) {
+        const auto drawn = renderer_.technique() ? renderer_.technique()->castersDrawn() : std::nullopt;
+        if (!drawn) return;
+        const std::vector<uint32_t>& contributing = shared_->contributors();
+        const scenegen::Scene& scene = shared_->loaded->scene;
+        double triangles = 0;
+        for (const uint32_t i : contributing) triangles += double(scene.prototypes[scene.instances[i].prototype].triangles());
+        figures.push_back(figure("", "casters_drawn", double(drawn->instances)));
+        figures.push_back(figure("", "caster_triangles_drawn", double(drawn->triangles)));
+        figures.push_back(figure("", "casters_contributing", double(contributing.size())));
+        figures.push_back(figure("", "caster_triangles_contributing", triangles));
+        if (!contributing.empty()) figures.push_back(figure("", "casters_efficiency", double(drawn->instances) / double(contributing.size())));
+    }
+
     void appendOverdraw(std::vector<Figure>& figures) {
         const measure::OverdrawHistogram histogram = measure::overdrawHistogram(renderer_.overdraw().texels);
         figures.push_back(figure("", "overdraw_mean", histogram.mean));
@@ -263,19 +278,32 @@ void SharedFrame::moveTo(const SunPath& path, int frameOfPath) {
     pathFrame = frameOfPath;
 }
 
-const truth::Reference& SharedFrame::reference() {
-    if (const auto known = traced.find(pathFrame); known != traced.end()) return known->second;
+truth::Receivers SharedFrame::receivers() {
     frame::PassObserver silent;
     const std::vector<frame::Pass> gbuffer{frame.gbufferPass()};
     frame::execute(gbuffer, silent);
-    const truth::Receivers receivers = frame.readReceivers();
+    if (!loaded->tracer) loaded->tracer.emplace(loaded->scene);
+    return frame.readReceivers();
+}
+
+const std::vector<uint32_t>& SharedFrame::contributors() {
+    const auto [known, made] = contributing.try_emplace(pathFrame);
+    if (made) {
+        const truth::Receivers seen = receivers();
+        known->second = loaded->tracer->contributors(seen, frame.camera().eye, frame.light());
+    }
+    return known->second;
+}
+
+const truth::Reference& SharedFrame::reference() {
+    if (const auto known = traced.find(pathFrame); known != traced.end()) return known->second;
+    const truth::Receivers seen = receivers();
     truth::Reference reference;
     if (!frame.sunUp()) {
         // No direct light at all: nothing that a technique could get right or wrong.
-        reference = {receivers.width, receivers.height, std::vector<truth::Label>(receivers.present.size(), truth::Label::excluded), {}};
+        reference = {seen.width, seen.height, std::vector<truth::Label>(seen.present.size(), truth::Label::excluded), {}};
     } else {
-        if (!loaded->tracer) loaded->tracer.emplace(loaded->scene);
-        reference = truth::cachedReference(*loaded->tracer, loaded->hash, receivers, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
+        reference = truth::cachedReference(*loaded->tracer, loaded->hash, seen, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
     }
     return traced.emplace(pathFrame, std::move(reference)).first->second;
 }

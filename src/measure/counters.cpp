@@ -26,6 +26,11 @@ constexpr std::array kMetrics{
     // the CPU's ledger
     MetricInfo{"draw_calls", "calls", lower, true, "draw commands; a multi-draw counts once"},
     MetricInfo{"triangles_submitted", "triangles", lower, true, "triangles that the CPU asked for, times instances"},
+    MetricInfo{"casters_drawn", "instances", lower, true, "casters drawn into the maps of the scene, all maps together"},
+    MetricInfo{"caster_triangles_drawn", "triangles", lower, true, "... their triangles"},
+    MetricInfo{"casters_contributing", "instances", none, true, "casters that the reference's rays meet between a receiver in sight and the sun"},
+    MetricInfo{"caster_triangles_contributing", "triangles", none, true, "... their triangles"},
+    MetricInfo{"casters_efficiency", "", lower, true, "casters_drawn / casters_contributing"},
     MetricInfo{"texels_allocated", "texels", lower, true, "texels of the technique's maps"},
     MetricInfo{"texels_written", "texels", lower, true, "texels of the maps that the frame cleared or rendered"},
     MetricInfo{"texture_bytes", "B", lower, true, "format x extent x layers x mips x samples of the technique's maps"},

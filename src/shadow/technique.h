@@ -40,6 +40,11 @@ public:
     virtual void refresh() {}
     /// How far what is kept was behind them in the frame last rendered; empty where nothing is kept.
     virtual std::optional<Staleness> staleness() const { return std::nullopt; }
+    /// Casters that the last frame drew into the maps, in all of them together. Nothing: the technique draws no map of the scene.
+    struct Casters {
+        size_t instances = 0, triangles = 0;
+    };
+    virtual std::optional<Casters> castersDrawn() const { return std::nullopt; }
     /// Draws the additive fragment count of the technique's own screen-space work into frame.overdrawTarget().
     /// False: it has none, and the overdraw of the geometry is what there is to see.
     virtual bool countOverdraw() { return false; }

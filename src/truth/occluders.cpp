@@ -12,6 +12,9 @@
 namespace dapple::truth {
 namespace {
 
+/// Rays may bring a filter of their own: blockers() and transmitted().
+const auto kSceneFlags = RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+
 int wrap(float coordinate, int size) {
     const double texel = std::floor(double(coordinate) * size);
     return std::clamp(int(texel - size * std::floor(texel / size)), 0, size - 1);
@@ -71,6 +74,7 @@ Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullpt
                     edge[id] = std::max(edge[id], prototypes_[id].meshes[m].longestEdge(t));
         }
         instances_.push_back(instance);
+        sceneInstances_.push_back(uint32_t(&instance - scene.instances.data()));
         reach_ = std::max(reach_, reach[id] * instance.scale);
         longestEdge_ = std::max(longestEdge_, edge[id] * instance.scale);
     }
@@ -78,15 +82,11 @@ Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullpt
 }
 
 /// No light through shared edges; and filters of rays, if rays have any.
-RTCSceneFlags Occluders::sceneFlags() const {
-    return translucent_ ? RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION) : RTC_SCENE_FLAG_ROBUST;
-}
-
 void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
     const std::vector<scenegen::Mesh>& meshes = scene.prototypes[id].meshes;
     Prototype& prototype = prototypes_[id];
     prototype.scene.reset(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(prototype.scene.get(), sceneFlags());
+    rtcSetSceneFlags(prototype.scene.get(), kSceneFlags);
     rtcSetSceneBuildQuality(prototype.scene.get(), RTC_BUILD_QUALITY_HIGH);
     prototype.meshes.resize(meshes.size());
     for (size_t m = 0; m < meshes.size(); ++m) {
@@ -119,7 +119,7 @@ void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
 
 Occluders::Placement Occluders::placeAround(const glm::dvec3& eye) const {
     Placement placement{SceneHandle(rtcNewScene(device_.get())), {}};
-    rtcSetSceneFlags(placement.scene.get(), sceneFlags());
+    rtcSetSceneFlags(placement.scene.get(), kSceneFlags);
     placement.instances.reserve(instances_.size());
     for (const scenegen::Instance& instance : instances_) {
         const glm::vec3 t(glm::dvec3(instance.translation) - eye);
@@ -167,7 +167,32 @@ void pass(const RTCFilterFunctionNArguments* args) {
     }
 }
 
+/// What a ray goes through, all of it.
+struct Notes {
+    RTCIntersectContext context;
+    std::vector<uint32_t>* met = nullptr;
+};
+
+void takeNote(const RTCFilterFunctionNArguments* args) {
+    std::vector<uint32_t>& met = *reinterpret_cast<Notes*>(args->context)->met;
+    for (unsigned int i = 0; i < args->N; ++i) {
+        if (args->valid[i] != -1) continue;
+        const unsigned int instance = RTCHitN_instID(args->hit, args->N, i, 0);
+        if (std::ranges::find(met, instance) == met.end()) met.push_back(instance);
+        args->valid[i] = 0;
+    }
+}
+
 }  // namespace
+
+void Occluders::blockers(const Placement& placement, const glm::vec3& start, const glm::vec3& direction, std::vector<uint32_t>& met) const {
+    Notes notes;
+    rtcInitIntersectContext(&notes.context);
+    notes.context.filter = takeNote;
+    notes.met = &met;
+    RTCRay ray{start.x, start.y, start.z, 0, direction.x, direction.y, direction.z, 0, std::numeric_limits<float>::infinity(), ~0u, 0, 0};
+    rtcOccluded1(placement.scene.get(), &notes.context, &ray);
+}
 
 float Occluders::transmitted(const Placement& placement, const glm::vec3& start, const glm::vec3& direction) const {
     Passage passage;

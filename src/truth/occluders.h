@@ -63,6 +63,10 @@ public:
 
     /// Product of the transmittances of the instances that the ray meets, each counted once; 1 if it meets none.
     float transmitted(const Placement& placement, const glm::vec3& start, const glm::vec3& direction) const;
+    /// Adds every instance that the ray meets to `met`, as Placement::instances counts them, each once.
+    void blockers(const Placement& placement, const glm::vec3& start, const glm::vec3& direction, std::vector<uint32_t>& met) const;
+    /// Index into Scene::instances of one of Placement::instances.
+    uint32_t sceneInstance(uint32_t placed) const { return sceneInstances_[placed]; }
     bool translucent() const { return translucent_; }
 
     bool empty() const { return instances_.empty(); }
@@ -76,13 +80,13 @@ private:
         std::vector<OccluderMesh> meshes;
     };
     void build(const scenegen::Scene& scene, uint32_t prototype);
-    RTCSceneFlags sceneFlags() const;
     void requireNoError() const;
 
     DeviceHandle device_;
     std::vector<OpacityMask> masks_;     ///< one per texture
     std::vector<Prototype> prototypes_;  ///< one per prototype of the scene; no scene where it casts nothing
     std::vector<scenegen::Instance> instances_;
+    std::vector<uint32_t> sceneInstances_;  ///< parallel to instances_
     float reach_ = 0, longestEdge_ = 0;
     std::vector<float> transmittances_;  ///< by prototype
     bool translucent_ = false;

@@ -119,6 +119,36 @@ void label(Packet& packet, const Occluders& occluders, const Occluders::Placemen
     }
 }
 
+/// Calls work(packet) for all receivers that face the sun, in blocks of the image, from several threads.
+template <class Work>
+void forEachPacket(const Receivers& receivers, const glm::dvec3& toSun, const Work& work) {
+    const int width = receivers.width, height = receivers.height;
+    const int rows = (height + kBlock - 1) / kBlock;
+    base::Progress progress("reference", size_t(rows));
+    std::mutex progressMutex;
+    std::atomic<size_t> done = 0;
+    tbb::parallel_for(0, rows, [&](int row) {
+        for (int x0 = 0; x0 < width; x0 += kBlock) {
+            Packet packet;
+            bool any = false;
+            for (int i = 0; i < kLanes; ++i) {
+                const int x = x0 + i % kBlock, y = row * kBlock + i / kBlock;
+                if (x >= width || y >= height) continue;
+                const size_t pixel = size_t(y) * size_t(width) + size_t(x);
+                if (!faces(receivers, pixel, toSun)) continue;
+                any = true;
+                packet.active[i] = -1;
+                packet.pixel[i] = pixel;
+                packet.position[i] = receivers.position[pixel];
+                packet.normal[i] = receivers.normal[pixel];
+            }
+            if (any) work(packet);
+        }
+        ++done;
+        if (const std::unique_lock lock(progressMutex, std::try_to_lock); lock) progress.update(done);
+    });
+}
+
 }  // namespace
 
 struct Tracer::Impl {
@@ -146,31 +176,28 @@ Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const
 
     if (impl_->occluders.translucent()) reference.transmitted.assign(pixels, 1.0f);
     const Occluders::Placement placement = impl_->occluders.placeAround(eye);
-    const int rows = (height + kBlock - 1) / kBlock;
-    base::Progress progress("reference", size_t(rows));
-    std::mutex progressMutex;
-    std::atomic<size_t> done = 0;
-    tbb::parallel_for(0, rows, [&](int row) {
-        for (int x0 = 0; x0 < width; x0 += kBlock) {
-            Packet packet;
-            bool any = false;
-            for (int i = 0; i < kLanes; ++i) {
-                const int x = x0 + i % kBlock, y = row * kBlock + i / kBlock;
-                if (x >= width || y >= height) continue;
-                const size_t pixel = size_t(y) * size_t(width) + size_t(x);
-                if (!faces(receivers, pixel, toSun)) continue;
-                any = true;
-                packet.active[i] = -1;
-                packet.pixel[i] = pixel;
-                packet.position[i] = receivers.position[pixel];
-                packet.normal[i] = receivers.normal[pixel];
-            }
-            if (any) label(packet, impl_->occluders, placement, glm::vec3(toSun), reference);
-        }
-        ++done;
-        if (const std::unique_lock lock(progressMutex, std::try_to_lock); lock) progress.update(done);
-    });
+    forEachPacket(receivers, toSun, [&](Packet& packet) { label(packet, impl_->occluders, placement, glm::vec3(toSun), reference); });
     return reference;
+}
+
+std::vector<uint32_t> Tracer::contributors(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const {
+    const Occluders& occluders = impl_->occluders;
+    const glm::dvec3 toSun = -light;
+    if (toSun.z <= 0 || occluders.empty()) return {};
+    const Occluders::Placement placement = occluders.placeAround(eye);
+    std::vector<std::atomic<bool>> contributes(placement.instances.size());
+    forEachPacket(receivers, toSun, [&](Packet& packet) {
+        setEpsilon(packet, occluders, placement);
+        std::vector<uint32_t> met;
+        for (int i = 0; i < kLanes; ++i)
+            if (packet.active[i]) occluders.blockers(placement, packet.position[i] + kOffsets[1] * packet.epsilon[i] * packet.normal[i], glm::vec3(toSun), met);
+        for (const uint32_t placed : met) contributes[placed] = true;
+    });
+    std::vector<uint32_t> instances;
+    for (uint32_t placed = 0; placed < contributes.size(); ++placed)
+        if (contributes[placed]) instances.push_back(occluders.sceneInstance(placed));
+    std::ranges::sort(instances);
+    return instances;
 }
 
 }  // namespace dapple::truth

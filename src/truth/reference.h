@@ -57,6 +57,9 @@ public:
     /// sun on or below the horizon (light.z ≥ 0) there is no direct light: what faces it is shadowed. A
     /// receiver that is not finite is excluded.
     Reference trace(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const;
+    /// The casters that shadow some receiver, nearest to it or not: those that a ray to the sun meets from a receiver that faces
+    /// it (trace()'s rays at 4 ε). Indices into Scene::instances, ascending.
+    std::vector<uint32_t> contributors(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const;
 
 private:
     struct Impl;

@@ -84,6 +84,26 @@ public:
         return result;
     }
 
+    std::optional<Casters> castersDrawn() const override {
+        Casters sum;
+        const auto add = [&](std::span<const uint32_t> instances) {
+            sum.instances += instances.size();
+            for (const uint32_t i : instances) sum.triangles += frame_.scene().prototypes()[frame_.scene().scene().instances[i].prototype].triangles;
+        };
+        for (const Cascade& c : cascades_) {
+            if (!needed(c).empty()) continue;
+            if (pyramid_) {
+                const gpuscene::InstanceTable::Drawn drawn = frame_.scene().instanceTable().read(c.casters);
+                sum.instances += drawn.instances;
+                sum.triangles += drawn.triangles;
+                continue;
+            }
+            add(c.casters.instances);  // with a mask, the receivers in sight
+            if (c.culling) add(c.culling->instances());
+        }
+        return sum;
+    }
+
     const gl::Texture* map() const override { return map_.name() ? &map_ : nullptr; }
 
 private:
