@@ -16,7 +16,8 @@ MEMORY_HEIGHT = 1.6
 NAMES = {"error": ("Error", "error: share of wrong pixels"),
          "mean_absolute": ("Mean error", "mean |visibility − truth|"),
          "excess_flips": ("Popping", "excess flips: share of pixels a frame")}
-LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic; those of scenes, as an angle is, never are
+LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic;
+SCENE_LOG_RANGE = 100  # of what sets scenes apart: counts may span so much, angles do not
 
 
 def positions(values, name):
@@ -70,9 +71,9 @@ def drawPanel(axes, points, x, place, styles, figure, zeroAt=None):
         axes.plot(at[zero], values[zero], linestyle="none", marker=11, markersize=8, color=colour, zorder=4)
 
 
-def styleX(axes, place, shown, logarithmic):
+def styleX(axes, place, shown, ofTechnique):
     where = sorted(place.values())
-    if logarithmic and where[0] > 0 and where[-1] / where[0] >= LOG_RANGE:
+    if where[0] > 0 and where[-1] / where[0] >= (LOG_RANGE if ofTechnique else SCENE_LOG_RANGE):
         axes.set_xscale("log")
     axes.xaxis.set_major_locator(FixedLocator(where))
     axes.xaxis.set_minor_locator(NullLocator())
@@ -142,7 +143,11 @@ def drawCurves(run, points, stem):
     if len(memory):
         panels[-1][0].set_ylabel("maps, MiB")
     for axes in panels[:len(rows)].flat:
-        plainTicks(axes.yaxis, lambda number: f"{number * 100:g} %" if y in NAMES else f"{number:g}")
+        text = (lambda number: f"{number * 100:g} %") if y in NAMES else (lambda number: f"{number:g}")
+        if signed:
+            axes.yaxis.set_major_formatter(FuncFormatter(lambda number, _, text=text: text(round(number, 6))))
+        else:
+            plainTicks(axes.yaxis, text)
     for axes in panels[-1]:
         axes.set_xlabel(name)
     levels = set(measured.line[measured.level])
