@@ -11,6 +11,59 @@ uniform float uLeastW;      // nearer to the warp's centre than this, nothing is
 uniform float uMargin;      // cells that rasterisation and rounding may reach beyond the box
 uniform float uDepthSlack;  // the same of its depth
 
+// Three axes that may separate the box's image from a square: the normals of its edges, or of their mean where a warp turns
+// them. xy: the axis; zw: where the image lies along it. In cells.
+vec4[3] separators(vec2 corners[8]) {
+    vec4 axes[3];
+    for (int k = 0; k < 3; ++k) {
+        vec2 edge = corners[1 << k] - corners[0] + corners[7] - corners[7 ^ (1 << k)];
+        axes[k] = vec4(-edge.y, edge.x, 1e30, -1e30);
+        for (int corner = 0; corner < 8; ++corner) {
+            float along = dot(axes[k].xy, corners[corner]);
+            axes[k].zw = vec2(min(axes[k].z, along), max(axes[k].w, along));
+        }
+    }
+    return axes;
+}
+bool covers(vec4 axes[3], vec2 centre, float halfSide) {
+    for (int k = 0; k < 3; ++k) {
+        float along = dot(axes[k].xy, centre), reach = halfSide * (abs(axes[k].x) + abs(axes[k].y));
+        if (along + reach < axes[k].z || along - reach > axes[k].w) return false;
+    }
+    return true;
+}
+
+#ifndef WARPED
+// The box seen from the sun: a parallelepiped, as the map is not warped. Its centre and half its edges, in cells and depth.
+struct Prism {
+    vec3 centre, edge[3];
+};
+Prism prismOf(TableInstance i, TablePrototype p, vec3 position) {
+    vec3 toCells = vec3(0.5 * uCells, 0.5 * uCells, 1.0), corner = (uClip * vec4(boxCorner(i, p, position, 0u), 1.0)).xyz;
+    Prism prism;
+    prism.centre = corner;
+    for (int k = 0; k < 3; ++k) {
+        prism.edge[k] = 0.5 * ((uClip * vec4(boxCorner(i, p, position, 1u << k), 1.0)).xyz - corner);
+        prism.centre += prism.edge[k];
+        prism.edge[k] *= toCells;
+    }
+    prism.centre = (prism.centre + vec3(1.0, 1.0, 0.0)) * toCells;
+    return prism;
+}
+// Depth before which the sun's rays through a square cannot enter it: behind its three faces that look at the sun.
+float beginning(Prism prism, vec2 centre, float halfSide) {
+    float depth = -1e30;
+    for (int k = 0; k < 3; ++k) {
+        vec3 normal = cross(prism.edge[(k + 1) % 3], prism.edge[(k + 2) % 3]);
+        if (normal.z == 0.0) continue;
+        vec2 slope = normal.xy / normal.z;
+        if (abs(slope.x) + abs(slope.y) > 0.04) continue;  // nearly edge on: over the window, rounding would exceed the slack
+        depth = max(depth, prism.centre.z - dot(slope, centre - prism.centre.xy) - abs(dot(normal, prism.edge[k]) / normal.z) - halfSide * (abs(slope.x) + abs(slope.y)));
+    }
+    return depth;
+}
+#endif
+
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= uint(uInstances)) return;
@@ -18,6 +71,7 @@ void main() {
     TablePrototype p = tablePrototypes[i.prototype];
     if (p.casts == 0u) return;
     vec3 position = relativePosition(i), lo = vec3(1e30), hi = vec3(-1e30);
+    vec2 corners[8];
     bool known = true;
     uint outside = 15u;  // a bit for each side of the window that all corners so far are beyond; w may be negative there
     for (uint corner = 0u; corner < 8u; ++corner) {
@@ -27,6 +81,7 @@ void main() {
         for (int side = 0; side < 4; ++side)
             if (beyond[side] >= 0.0) outside &= ~(1u << side);
         vec3 ndc = q.xyz / q.w;
+        corners[corner] = (ndc.xy * 0.5 + 0.5) * uCells;
         lo = min(lo, ndc);
         hi = max(hi, ndc);
     }
@@ -38,10 +93,24 @@ void main() {
         // The coarsest level at which it still spans at most CELLS cells a side.
         int level = 0;
         while (level < uLevels - 1 && any(greaterThanEqual((b >> level) - (a >> level), ivec2(CELLS)))) ++level;
-        uint most = 0u;
-        for (int y = a.y >> level; y <= b.y >> level; ++y)
-            for (int x = a.x >> level; x <= b.x >> level; ++x) most = max(most, texelFetch(uReceivers, ivec3(x, y, uLayer), level).r);
-        if (most == 0u || lo.z - uDepthSlack >= depthOfKey(most)) return;
+        vec4 axes[3] = separators(corners);
+#ifndef WARPED
+        Prism box = prismOf(i, p, position);
+#endif
+        bool needed = false;
+        for (int y = a.y >> level; y <= b.y >> level && !needed; ++y)
+            for (int x = a.x >> level; x <= b.x >> level && !needed; ++x) {
+                uint farthest = texelFetch(uReceivers, ivec3(x, y, uLayer), level).r;
+                if (farthest == 0u) continue;
+                float side = float(1 << level), begins = lo.z;
+                vec2 centre = (vec2(x, y) + 0.5) * side;
+                if (!covers(axes, centre, 0.5 * side + uMargin)) continue;
+#ifndef WARPED
+                begins = max(begins, beginning(box, centre, 0.5 * side + uMargin));
+#endif
+                needed = begins - uDepthSlack < depthOfKey(farthest);
+            }
+        if (!needed) return;
     }
     addToList(i, p, position);
 }

@@ -7,18 +7,18 @@ namespace dapple::visibility {
 namespace {
 
 /// Finer cells find no fewer casters worth their cost: boxes are metres wide.
-constexpr int kMostCells = 512;
+constexpr int kMostCells = 1024;
 
 }  // namespace
 
-ReceiverPyramid::ReceiverPyramid(const gpuscene::GpuScene& scene, int mapSize, int layers)
+ReceiverPyramid::ReceiverPyramid(const gpuscene::GpuScene& scene, int mapSize, int layers, bool warped)
     : table_(scene.instanceTable()), mapSize_(mapSize) {
     const auto cells = int(std::bit_floor(unsigned(std::min(mapSize, kMostCells))));
     levels_ = std::countr_zero(unsigned(cells)) + 1;
     pyramid_ = gl::Texture(GL_R32UI, cells, cells, layers, levels_);
     sampler_ = gl::makeSampler({});
     reduce_ = gl::Program::compute("visibility/max_level.comp");
-    cull_ = gl::Program::compute("visibility/receiver_cull.comp", {"CELLS 8"});
+    cull_ = gl::Program::compute("visibility/receiver_cull.comp", warped ? std::vector<std::string>{"CELLS 16", "WARPED"} : std::vector<std::string>{"CELLS 16"});
 }
 
 void ReceiverPyramid::clear() {

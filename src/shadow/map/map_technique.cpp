@@ -40,7 +40,7 @@ public:
         resolve_ = gl::Program("passes/fullscreen.vert", "shadow/map_resolve.frag", defines);
         if (!map_.name()) return;
         if (is("cull", "pyramid")) {
-            pyramid_.emplace(frame.scene(), size_, layers_);
+            pyramid_.emplace(frame.scene(), size_, layers_, kind_ == FitKind::lispsm);
             scatter_ = gl::Program::compute("shadow/map_receivers.comp", defines);
         }
         if (is("cull", "chc") || is("cull", "chcpp") || is("cull", "receivers"))
