@@ -21,7 +21,11 @@ public:
         for (const glm::dvec3& a : points) lo_ = glm::min(lo_, a), hi = glm::max(hi, a);
         for (int axis = 0; axis < 3; ++axis) cells_[axis] = int((hi[axis] - lo_[axis]) / p.influence) + 1;
         grid_.resize(size_t(cells_.x) * size_t(cells_.y) * size_t(cells_.z));
-        for (const glm::dvec3& a : points) grid_[cell(glm::ivec3(glm::floor((a - lo_) / p.influence)))].push_back({a, p.influence * p.influence, -1});
+        for (const glm::dvec3& a : points) {
+            Cell& c = cell(glm::ivec3(glm::floor((a - lo_) / p.influence)));
+            c.attractors.push_back({a, p.influence * p.influence});
+            c.lo = glm::min(c.lo, a), c.hi = glm::max(c.hi, a), c.farthest2 = p.influence * p.influence;
+        }
     }
 
     /// Attractors that the new node is nearest to are its own.
@@ -30,40 +34,52 @@ public:
         const glm::ivec3 from = glm::max(at - 1, glm::ivec3(0)), to = glm::min(at + 1, cells_ - 1);
         for (int z = from.z; z <= to.z; ++z)
             for (int y = from.y; y <= to.y; ++y)
-                for (int x = from.x; x <= to.x; ++x) {
-                    std::vector<Attractor>& near = grid_[cell({x, y, z})];
-                    size_t left = 0;
-                    for (Attractor& a : near) {
-                        const glm::dvec3 d = a.position - node;
-                        const double d2 = glm::dot(d, d);
-                        if (d2 < a.distance2) a.distance2 = d2, a.nearest = index;
-                        if (d2 >= p_.kill * p_.kill) near[left++] = a;
-                    }
-                    near.resize(left);
-                }
+                for (int x = from.x; x <= to.x; ++x) add(cell({x, y, z}), node, index);
     }
 
     /// Of each node, the sum of the unit vectors to its attractors.
     std::vector<glm::dvec3> pulls(const std::vector<CrownNode>& nodes) const {
         std::vector<glm::dvec3> sums(nodes.size(), glm::dvec3(0));
-        for (const std::vector<Attractor>& near : grid_)
-            for (const Attractor& a : near)
-                if (a.nearest >= 0) sums[size_t(a.nearest)] += glm::normalize(a.position - nodes[size_t(a.nearest)].position);
+        for (const Cell& c : grid_)
+            for (const Attractor& a : c.attractors)
+                if (a.nearest >= 0) sums[size_t(a.nearest)] += a.pull;
         return sums;
     }
 
 private:
     struct Attractor {
         glm::dvec3 position;
-        double distance2 = 0;  // to the nearest node, at first the radius of influence
+        double distance2;       // to the nearest node, at first the radius of influence
+        glm::dvec3 pull{0};     // unit, from the nearest node
         int nearest = -1;
     };
-    size_t cell(const glm::ivec3& c) const { return (size_t(c.z) * size_t(cells_.y) + size_t(c.y)) * size_t(cells_.x) + size_t(c.x); }
+    struct Cell {
+        std::vector<Attractor> attractors;
+        glm::dvec3 lo{1e30}, hi{-1e30};  // their box
+        double farthest2 = 0;            // no attractor is farther from its nearest node
+    };
+    Cell& cell(const glm::ivec3& c) { return grid_[(size_t(c.z) * size_t(cells_.y) + size_t(c.y)) * size_t(cells_.x) + size_t(c.x)]; }
+
+    void add(Cell& cell, const glm::dvec3& node, int index) {
+        // What is nearer to another node than this one is to their box, it cannot draw nor reach.
+        const glm::dvec3 out = glm::max(glm::max(cell.lo - node, node - cell.hi), glm::dvec3(0));
+        if (glm::dot(out, out) > std::max(cell.farthest2, p_.kill * p_.kill) * (1 + 1e-9)) return;
+        cell.farthest2 = 0;
+        bool reached = false;
+        for (Attractor& a : cell.attractors) {
+            const glm::dvec3 d = a.position - node;
+            const double d2 = glm::dot(d, d);
+            if (d2 < a.distance2) a.distance2 = d2, a.pull = glm::normalize(d), a.nearest = index;
+            cell.farthest2 = std::max(cell.farthest2, a.distance2);
+            reached |= d2 < p_.kill * p_.kill;
+        }
+        if (reached) std::erase_if(cell.attractors, [&](const Attractor& a) { return a.distance2 < p_.kill * p_.kill; });
+    }
 
     const ColonisationParameters& p_;
     glm::dvec3 lo_;
     glm::ivec3 cells_;
-    std::vector<std::vector<Attractor>> grid_;
+    std::vector<Cell> grid_;
 };
 
 std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t seed) {
@@ -72,8 +88,10 @@ std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t 
     std::vector<glm::dvec3> points;
     while (points.size() < size_t(species.colonisation->attractors)) {
         const glm::dvec3 p{radius * random.next(-1, 1), radius * random.next(-1, 1), foot + (height - foot) * random.next()};  // braces: in this order
+        const double across2 = p.x * p.x + p.y * p.y;
+        if (across2 >= radius * radius) continue;  // a power takes long
         const double widest = radius * envelopeRatio(species.prune, (height - p.z) / (height - foot));
-        if (p.x * p.x + p.y * p.y < widest * widest) points.push_back(p);
+        if (across2 < widest * widest) points.push_back(p);
     }
     return points;
 }
