@@ -2,9 +2,11 @@
 
 #include "base/detmath.h"
 #include "base/random.h"
+#include "scenegen/plants/lanes.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace dapple::scenegen {
 namespace {
@@ -19,67 +21,85 @@ public:
     Attractors(const std::vector<glm::dvec3>& points, const ColonisationParameters& p) : p_(p) {
         glm::dvec3 hi = lo_ = points.empty() ? glm::dvec3(0) : points[0];
         for (const glm::dvec3& a : points) lo_ = glm::min(lo_, a), hi = glm::max(hi, a);
-        for (int axis = 0; axis < 3; ++axis) cells_[axis] = int((hi[axis] - lo_[axis]) / p.influence) + 1;
-        grid_.resize(size_t(cells_.x) * size_t(cells_.y) * size_t(cells_.z));
+        for (int axis = 0; axis < 3; ++axis) count_[axis] = int((hi[axis] - lo_[axis]) / p.influence) + 1;
+        cells_.resize(size_t(count_.x) * size_t(count_.y) * size_t(count_.z));
+        for (const glm::dvec3& a : points) ++cell(cellOf(a)).end;
+        size_t size = 0;
+        for (Cell& c : cells_) {
+            c.begin = size;
+            size += (std::exchange(c.end, size) + kStride - 1) / kStride * kStride;
+        }
+        for (std::vector<double>* column : {&x_, &y_, &z_, &distance2_}) column->resize(size);
+        pull_.resize(size);
+        nearest_.resize(size, -1);
         for (const glm::dvec3& a : points) {
-            Cell& c = cell(glm::ivec3(glm::floor((a - lo_) / p.influence)));
-            c.attractors.push_back({a, p.influence * p.influence});
-            c.lo = glm::min(c.lo, a), c.hi = glm::max(c.hi, a), c.farthest2 = p.influence * p.influence;
+            const size_t i = cell(cellOf(a)).end++;
+            x_[i] = a.x, y_[i] = a.y, z_[i] = a.z, distance2_[i] = p.influence * p.influence;
         }
     }
 
     /// Attractors that the new node is nearest to are its own.
     void add(const glm::dvec3& node, int index) {
-        const glm::ivec3 at(glm::floor((node - lo_) / p_.influence));
-        const glm::ivec3 from = glm::max(at - 1, glm::ivec3(0)), to = glm::min(at + 1, cells_ - 1);
+        const glm::ivec3 at = cellOf(node), from = glm::max(at - 1, glm::ivec3(0)), to = glm::min(at + 1, count_ - 1);
         for (int z = from.z; z <= to.z; ++z)
             for (int y = from.y; y <= to.y; ++y)
                 for (int x = from.x; x <= to.x; ++x) add(cell({x, y, z}), node, index);
     }
 
     /// Of each node, the sum of the unit vectors to its attractors.
-    std::vector<glm::dvec3> pulls(const std::vector<CrownNode>& nodes) const {
-        std::vector<glm::dvec3> sums(nodes.size(), glm::dvec3(0));
-        for (const Cell& c : grid_)
-            for (const Attractor& a : c.attractors)
-                if (a.nearest >= 0) sums[size_t(a.nearest)] += a.pull;
-        return sums;
+    void pulls(std::vector<glm::dvec3>& sums) const {
+        std::fill(sums.begin(), sums.end(), glm::dvec3(0));
+        for (const Cell& c : cells_)
+            for (size_t i = c.begin; i < c.end; ++i)
+                if (nearest_[i] >= 0) sums[size_t(nearest_[i])] += pull_[i];
     }
 
 private:
-    struct Attractor {
-        glm::dvec3 position;
-        double distance2;       // to the nearest node, at first the radius of influence
-        glm::dvec3 pull{0};     // unit, from the nearest node
-        int nearest = -1;
-    };
+    static constexpr size_t kStride = 4;
     struct Cell {
-        std::vector<Attractor> attractors;
-        glm::dvec3 lo{1e30}, hi{-1e30};  // their box
-        double farthest2 = 0;            // no attractor is farther from its nearest node
+        size_t begin = 0, end = 0;  // the next begins at a multiple of kStride
     };
-    Cell& cell(const glm::ivec3& c) { return grid_[(size_t(c.z) * size_t(cells_.y) + size_t(c.y)) * size_t(cells_.x) + size_t(c.x)]; }
+    glm::ivec3 cellOf(const glm::dvec3& p) const { return glm::ivec3(glm::floor((p - lo_) / p_.influence)); }
+    Cell& cell(const glm::ivec3& c) { return cells_[(size_t(c.z) * size_t(count_.y) + size_t(c.y)) * size_t(count_.x) + size_t(c.x)]; }
 
     void add(Cell& cell, const glm::dvec3& node, int index) {
-        // What is nearer to another node than this one is to their box, it cannot draw nor reach.
-        const glm::dvec3 out = glm::max(glm::max(cell.lo - node, node - cell.hi), glm::dvec3(0));
-        if (glm::dot(out, out) > std::max(cell.farthest2, p_.kill * p_.kill) * (1 + 1e-9)) return;
-        cell.farthest2 = 0;
+        const Pair3 from{Pair{node.x, node.x}, Pair{node.y, node.y}, Pair{node.z, node.z}};
+        const auto distance2 = [&](size_t i) {
+            const Pair3 d = Pair3{loadPair(&x_[i]), loadPair(&y_[i]), loadPair(&z_[i])} - from;
+            return dot(d, d);
+        };
         bool reached = false;
-        for (Attractor& a : cell.attractors) {
-            const glm::dvec3 d = a.position - node;
-            const double d2 = glm::dot(d, d);
-            if (d2 < a.distance2) a.distance2 = d2, a.pull = glm::normalize(d), a.nearest = index;
-            cell.farthest2 = std::max(cell.farthest2, a.distance2);
-            reached |= d2 < p_.kill * p_.kill;
+        for (size_t i = cell.begin; i < cell.end; i += kStride) {
+            const Pair d[2] = {distance2(i), distance2(i + 2)};
+            const auto nearer = (d[0] < loadPair(&distance2_[i])) | (d[1] < loadPair(&distance2_[i + 2]));
+            if ((nearer[0] | nearer[1]) == 0) continue;  // of most
+            for (size_t k = i; k < std::min(i + kStride, cell.end); ++k) {
+                const double d2 = d[(k - i) / 2][(k - i) % 2];
+                if (d2 >= distance2_[k]) continue;
+                distance2_[k] = d2;
+                nearest_[k] = index;
+                pull_[k] = glm::normalize(glm::dvec3(x_[k], y_[k], z_[k]) - node);
+                reached |= d2 < p_.kill * p_.kill;
+            }
         }
-        if (reached) std::erase_if(cell.attractors, [&](const Attractor& a) { return a.distance2 < p_.kill * p_.kill; });
+        if (!reached) return;
+        size_t left = cell.begin;
+        for (size_t i = cell.begin; i < cell.end; ++i) {
+            if (distance2_[i] < p_.kill * p_.kill) continue;
+            x_[left] = x_[i], y_[left] = y_[i], z_[left] = z_[i], distance2_[left] = distance2_[i], pull_[left] = pull_[i], nearest_[left] = nearest_[i];
+            ++left;
+        }
+        cell.end = left;
     }
 
     const ColonisationParameters& p_;
     glm::dvec3 lo_;
-    glm::ivec3 cells_;
-    std::vector<Cell> grid_;
+    glm::ivec3 count_;
+    std::vector<Cell> cells_;
+    std::vector<double> x_, y_, z_;    // of the attractors, cell by cell
+    std::vector<double> distance2_;    // to the nearest node, at first the radius of influence
+    std::vector<glm::dvec3> pull_;     // unit, from that node
+    std::vector<int> nearest_;
 };
 
 std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t seed) {
@@ -102,7 +122,7 @@ std::vector<CrownNode> colonise(const Species& species, double height, double ra
     const ColonisationParameters& p = *species.colonisation;
     Attractors attractors(scatter(species, height, seed), p);
     std::vector<CrownNode> nodes;
-    std::vector<glm::dvec3> lastPull;  // of each node: one that pulls as before would grow the same twig again
+    std::vector<glm::dvec3> pulls, lastPull;  // of each node: one that pulls as before would grow the same twig again
     const auto add = [&](const glm::dvec3& position, int parent) {
         attractors.add(position, int(nodes.size()));
         nodes.push_back({position, parent, 0});
@@ -113,7 +133,8 @@ std::vector<CrownNode> colonise(const Species& species, double height, double ra
 
     for (size_t before = 0; before != nodes.size() && nodes.size() < kMostNodes;) {
         before = nodes.size();
-        const std::vector<glm::dvec3> pulls = attractors.pulls(nodes);
+        pulls.resize(before);
+        attractors.pulls(pulls);
         for (size_t i = 0; i < before; ++i) {
             if (pulls[i] == lastPull[i]) continue;
             lastPull[i] = pulls[i];
