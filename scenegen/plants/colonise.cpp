@@ -1,6 +1,5 @@
 #include "scenegen/plants/colonise.h"
 
-#include "base/detmath.h"
 #include "base/random.h"
 #include "scenegen/plants/lanes.h"
 
@@ -149,7 +148,10 @@ std::vector<CrownNode> colonise(const Species& species, double height, double ra
         if (area[i] == 0) area[i] = 1;
         if (nodes[i].parent >= 0) area[size_t(nodes[i].parent)] += area[i];
     }
-    for (size_t i = 0; i < nodes.size(); ++i) nodes[i].radius = radius * base::det::pow(area[i] / area[0], 1 / p.pipe);
+    const double whole = area[0];
+    for (double& a : area) a /= whole;
+    powers(area, 1 / p.pipe);
+    for (size_t i = 0; i < nodes.size(); ++i) nodes[i].radius = radius * area[i];
     return nodes;
 }
 

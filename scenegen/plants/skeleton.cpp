@@ -3,6 +3,7 @@
 #include "base/random.h"
 #include "scenegen/plants/colonise.h"
 #include "scenegen/plants/frames.h"
+#include "scenegen/plants/lanes.h"
 
 #include <algorithm>
 #include <array>
@@ -51,7 +52,6 @@ struct Fork {
 struct Bud {
     double offset;         ///< metres along the parent
     double length = 0;     ///< metres
-    double thickness = 0;  ///< radius over the parent's
     double leafShare = 0;
     double direction = 0, down = 0;  ///< degrees, about the parent's axis and away from it
 };
@@ -367,7 +367,7 @@ private:
         }
         const int count = int(most * (end - begin) / (parent.length - parent.crown) + 0.5);
         double turn = 360 * random.next();
-        // All buds first: their powers are long chains, which the processor overlaps as long as nothing else is between them.
+        // All buds first: their powers go abreast.
         std::vector<Bud> buds;
         buds.reserve(size_t(std::max(0, count)));
         for (int k = 0; k < count; ++k) {
@@ -376,9 +376,12 @@ private:
                                              : (k + 0.5 + 0.4 * random.next(-1, 1)) / count;
             buds.push_back(bud(parent, p, begin + (end - begin) * (p.whorl > 1 ? wholeWhorl(place, k, p.whorl, whorls) : place), k, turn, random));
         }
-        for (Bud& b : buds) b.thickness = det::pow(b.length / parent.length, species_.ratioPower);
+        std::vector<double> thickness;
+        thickness.reserve(buds.size());
+        for (const Bud& b : buds) thickness.push_back(b.length / parent.length);
+        powers(thickness, species_.ratioPower);
         StemAxis axis(parent);
-        for (const Bud& b : buds) growChild(parent, parentId, p, b, axis.at(b.offset));
+        for (size_t k = 0; k < buds.size(); ++k) growChild(parent, parentId, p, buds[k], thickness[k], axis.at(buds[k].offset));
     }
 
     /// Boughs of one whorl spring from nearly one height; whorls crowd towards the top, where a year's growth is short.
@@ -412,13 +415,13 @@ private:
         return b;
     }
 
-    void growChild(const Stem& parent, int parentId, const LevelParameters& p, const Bud& b, const StemPoint& root) {
+    void growChild(const Stem& parent, int parentId, const LevelParameters& p, const Bud& b, double thickness, const StemPoint& root) {
         Stem child;
         child.level = parent.level + 1;
         child.parent = parentId;
         child.parentOffset = b.offset;
         child.length = b.length;
-        child.radius = std::max(kMinRadius, std::min(parent.radius * b.thickness, 0.9 * root.radius));
+        child.radius = std::max(kMinRadius, std::min(parent.radius * thickness, 0.9 * root.radius));
         child.leafShare = b.leafShare;
         // Rows lie left and right of the parent, so they are turned from its upright plane.
         const glm::dmat3 base = p.rotate < 0 ? uprightFrame(root.frame) : root.frame;
