@@ -97,7 +97,11 @@ public:
             Stem& twig = skeleton.stems[id];
             if (!twig.rings.empty()) continue;
             if (twig.parent != parent) axis.emplace(skeleton.stems[size_t(parent = twig.parent)]);
-            steer(twig, int(id), twig.root, 0, 0, none);
+            const auto end = skeleton.courses.begin() + long(twig.courseEnd);
+            if (twig.courseEnd > 0)
+                course_.assign(end - species_.levels.back().curveRes, end);
+            else
+                steer(twig, int(id), twig.root, 0, 0, none);
             addRings(twig, twig.root, axis->centre(twig.parentOffset), 0, 1 << skeleton.thinned);
         }
     }
@@ -161,10 +165,14 @@ private:
             if (stem.length < kShortest * whole) return false;
         }
         stem.faceted = p.refine == 0;
-        if (later)
+        if (later) {
             stem.ringCount = size_t(p.curveRes) + 1;
-        else
+            if (!pruned) return true;
+            skeleton_.courses.insert(skeleton_.courses.end(), course_.begin(), course_.end());
+            stem.courseEnd = skeleton_.courses.size();
+        } else {
             addRings(stem, frame, root, segment, 1);
+        }
         return true;
     }
 
@@ -184,8 +192,13 @@ private:
                 double bend = p.curve / p.curveRes;
                 if (p.curveBack != 0) bend = (s < (p.curveRes + 1) / 2 ? p.curve : p.curveBack) / (0.5 * p.curveRes);
                 frame = rotateX(frame, bend - correction + p.curveV / p.curveRes * curve.next(-1, 1));
-                if (p.curveV != 0) frame = rotateZ(frame, 30 * curve.next(-1, 1));
-                if (stem.level >= 2) frame = attract(frame, p.curveRes);
+                // Past the last segment nobody asks for more than its direction.
+                const bool last = s + 1 == p.curveRes;
+                if (p.curveV != 0 && !last) frame = rotateZ(frame, 30 * curve.next(-1, 1));
+                if (stem.level >= 2) {
+                    const glm::dvec3 along = attracted(frame[2], p.curveRes);
+                    frame = last || along == frame[2] ? glm::dmat3(frame[0], frame[1], along) : frameAlong(along, frame[0]);
+                }
             }
             course_.push_back(frame[2]);
             if (s + 1 < p.curveRes) fork(stem, p, s, frame, correction, split, forks);
@@ -306,13 +319,13 @@ private:
     }
 
     /// Section 4.8: vertical attraction turns the direction towards the sky.
-    glm::dmat3 attract(const glm::dmat3& f, int segments) const {
-        const glm::dvec3 axis = glm::cross(f[2], glm::dvec3(0, 0, 1));
+    glm::dvec3 attracted(const glm::dvec3& along, int segments) const {
+        const glm::dvec3 axis = glm::cross(along, glm::dvec3(0, 0, 1));
         const double sine = glm::length(axis);
-        if (species_.attractionUp == 0 || sine < 1e-6) return f;
-        const double decl = declination(f), angle = std::clamp(species_.attractionUp * decl * sine / segments, -decl, decl);
+        if (species_.attractionUp == 0 || sine < 1e-6) return along;
+        const double decl = det::acos(along.z) / det::kDegree, angle = std::clamp(species_.attractionUp * decl * sine / segments, -decl, decl);
         const auto [s, c] = det::sinCos(angle * det::kDegree);
-        return frameAlong(f[2] * c + glm::cross(axis / sine, f[2]) * s, f[0]);
+        return along * c + glm::cross(axis / sine, along) * s;
     }
 
     /// Section 4.2: the stem splits at the end of segment s; rounding errors are carried on.
