@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <numeric>
 
 namespace dapple::scenegen {
 namespace {
@@ -13,26 +13,23 @@ namespace {
 constexpr uint64_t kAttractorPurpose = 192;
 constexpr size_t kMostNodes = 20'000;
 
-/// Attractors with the node nearest to each, in a grid whose cells are as large as the radius of influence, so that
-/// what a new node can reach lies in 27 cells. Those that a node has reached are gone.
+/// Attractors with the node nearest to each, sorted into a grid whose cells are as large as the radius of influence, so
+/// that what a new node can reach lies in nine rows of three cells.
 class Attractors {
 public:
     Attractors(const std::vector<glm::dvec3>& points, const ColonisationParameters& p) : p_(p) {
         glm::dvec3 hi = lo_ = points.empty() ? glm::dvec3(0) : points[0];
         for (const glm::dvec3& a : points) lo_ = glm::min(lo_, a), hi = glm::max(hi, a);
         for (int axis = 0; axis < 3; ++axis) count_[axis] = int((hi[axis] - lo_[axis]) / p.influence) + 1;
-        cells_.resize(size_t(count_.x) * size_t(count_.y) * size_t(count_.z));
-        for (const glm::dvec3& a : points) ++cell(cellOf(a)).end;
-        size_t size = 0;
-        for (Cell& c : cells_) {
-            c.begin = size;
-            size += (std::exchange(c.end, size) + kStride - 1) / kStride * kStride;
-        }
-        for (std::vector<double>* column : {&x_, &y_, &z_, &distance2_}) column->resize(size);
-        pull_.resize(size);
-        nearest_.resize(size, -1);
+        first_.resize(size_t(count_.x) * size_t(count_.y) * size_t(count_.z) + 1);
+        for (const glm::dvec3& a : points) ++first_[cell(cellOf(a)) + 1];
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        for (std::vector<double>* column : {&x_, &y_, &z_, &distance2_}) column->resize(points.size() + kStride);
+        pull_.resize(points.size());
+        nearest_.resize(points.size(), -1);
+        std::vector<size_t> next = first_;
         for (const glm::dvec3& a : points) {
-            const size_t i = cell(cellOf(a)).end++;
+            const size_t i = next[cell(cellOf(a))]++;
             x_[i] = a.x, y_[i] = a.y, z_[i] = a.z, distance2_[i] = p.influence * p.influence;
         }
     }
@@ -40,65 +37,54 @@ public:
     /// Attractors that the new node is nearest to are its own.
     void add(const glm::dvec3& node, int index) {
         const glm::ivec3 at = cellOf(node), from = glm::max(at - 1, glm::ivec3(0)), to = glm::min(at + 1, count_ - 1);
+        if (from.x > to.x) return;
         for (int z = from.z; z <= to.z; ++z)
-            for (int y = from.y; y <= to.y; ++y)
-                for (int x = from.x; x <= to.x; ++x) add(cell({x, y, z}), node, index);
+            for (int y = from.y; y <= to.y; ++y) addToRow(first_[cell({from.x, y, z})], first_[cell({to.x, y, z}) + 1], node, index);
     }
 
     /// Of each node, the sum of the unit vectors to its attractors.
     void pulls(std::vector<glm::dvec3>& sums) const {
         std::fill(sums.begin(), sums.end(), glm::dvec3(0));
-        for (const Cell& c : cells_)
-            for (size_t i = c.begin; i < c.end; ++i)
-                if (nearest_[i] >= 0) sums[size_t(nearest_[i])] += pull_[i];
+        for (size_t i = 0; i < nearest_.size(); ++i)
+            if (nearest_[i] >= 0) sums[size_t(nearest_[i])] += pull_[i];
     }
 
 private:
     static constexpr size_t kStride = 4;
-    struct Cell {
-        size_t begin = 0, end = 0;  // the next begins at a multiple of kStride
-    };
     glm::ivec3 cellOf(const glm::dvec3& p) const { return glm::ivec3(glm::floor((p - lo_) / p_.influence)); }
-    Cell& cell(const glm::ivec3& c) { return cells_[(size_t(c.z) * size_t(count_.y) + size_t(c.y)) * size_t(count_.x) + size_t(c.x)]; }
+    size_t cell(const glm::ivec3& c) const { return (size_t(c.z) * size_t(count_.y) + size_t(c.y)) * size_t(count_.x) + size_t(c.x); }
 
-    void add(Cell& cell, const glm::dvec3& node, int index) {
+    /// Looks at up to kStride - 1 attractors past `end`, which does no harm.
+    void addToRow(size_t begin, size_t end, const glm::dvec3& node, int index) {
         const Pair3 from{Pair{node.x, node.x}, Pair{node.y, node.y}, Pair{node.z, node.z}};
         const auto distance2 = [&](size_t i) {
             const Pair3 d = Pair3{loadPair(&x_[i]), loadPair(&y_[i]), loadPair(&z_[i])} - from;
             return dot(d, d);
         };
-        bool reached = false;
-        for (size_t i = cell.begin; i < cell.end; i += kStride) {
+        for (size_t i = begin; i < end; i += kStride) {
             const Pair d[2] = {distance2(i), distance2(i + 2)};
             const auto nearer = (d[0] < loadPair(&distance2_[i])) | (d[1] < loadPair(&distance2_[i + 2]));
             if ((nearer[0] | nearer[1]) == 0) continue;  // of most
-            for (size_t k = i; k < std::min(i + kStride, cell.end); ++k) {
-                const double d2 = d[(k - i) / 2][(k - i) % 2];
-                if (d2 >= distance2_[k]) continue;
-                distance2_[k] = d2;
-                nearest_[k] = index;
-                pull_[k] = glm::normalize(glm::dvec3(x_[k], y_[k], z_[k]) - node);
-                reached |= d2 < p_.kill * p_.kill;
-            }
+            for (size_t k = 0; k < kStride; ++k)
+                if (const double d2 = d[k / 2][k % 2]; d2 < distance2_[i + k]) draw(i + k, node, d2, index);
         }
-        if (!reached) return;
-        size_t left = cell.begin;
-        for (size_t i = cell.begin; i < cell.end; ++i) {
-            if (distance2_[i] < p_.kill * p_.kill) continue;
-            x_[left] = x_[i], y_[left] = y_[i], z_[left] = z_[i], distance2_[left] = distance2_[i], pull_[left] = pull_[i], nearest_[left] = nearest_[i];
-            ++left;
-        }
-        cell.end = left;
+    }
+
+    void draw(size_t attractor, const glm::dvec3& node, double d2, int index) {
+        const bool reached = d2 < p_.kill * p_.kill;
+        distance2_[attractor] = reached ? 0 : d2;
+        nearest_[attractor] = reached ? -1 : index;
+        pull_[attractor] = glm::normalize(glm::dvec3(x_[attractor], y_[attractor], z_[attractor]) - node);
     }
 
     const ColonisationParameters& p_;
     glm::dvec3 lo_;
     glm::ivec3 count_;
-    std::vector<Cell> cells_;
-    std::vector<double> x_, y_, z_;    // of the attractors, cell by cell
-    std::vector<double> distance2_;    // to the nearest node, at first the radius of influence
+    std::vector<size_t> first_;        // attractor of each cell
+    std::vector<double> x_, y_, z_;    // of the attractors
+    std::vector<double> distance2_;    // to the nearest node, at first the radius of influence; 0 when reached
     std::vector<glm::dvec3> pull_;     // unit, from that node
-    std::vector<int> nearest_;
+    std::vector<int> nearest_;         // -1: none
 };
 
 std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t seed) {
