@@ -79,6 +79,7 @@ public:
         trunkLength_ = stem.length;
         twigsLater_ = twigsLater && zScale == 1 && species_.levels.back().segSplits == 0;
         skeleton_.stems.reserve(2048);
+        if (species_.prune.ratio > 0) skeleton_.courses.reserve(8192);
         if (species_.colonisation)
             growCrown(stem);
         else
