@@ -65,16 +65,21 @@ public:
         const uint32_t paint = addMaterial(scene, "road paint", {0.55f, 0.55f, 0.52f});
         for (size_t i = 0; i < std::size(kCarColours); ++i)
             cars_[i] = addPrototype(scene, fmt::format("car {}", i), carMeshes(addMaterial(scene, fmt::format("car paint {}", i), kCarColours[i], 0.5f, 60), glass, rubber, lamp));
-        Mesh shade, pole, board, dash, bar;
+        Mesh shade, pole, board;
         addBox(shade, {-0.1, -1.8, 6.38}, {0.1, -1.3, 6.44});
         lamp_ = addPrototype(scene, "lamp", {of(lampPost(), iron), of(shade, lamp)});
         addCone(pole, {0, 0, -0.1}, 0.035, {0, 0, 2.75}, 0.035, 8);
         addCone(board, {0, -0.06, 2.45}, 0.32, {0, -0.03, 2.45}, 0.32, 14);
         sign_ = addPrototype(scene, "sign", {of(pole, iron), of(board, sign)});
-        addBox(dash, {-1.5, -0.075, -0.02}, {1.5, 0.075, 0.012});
-        dash_ = addPrototype(scene, "lane mark", {of(dash, paint)}, false);
-        addBox(bar, {-1.5, -0.25, -0.02}, {1.5, 0.25, 0.012});
-        bar_ = addPrototype(scene, "crossing bar", {of(bar, paint)}, false);
+        const auto mark = [&](const char* name, double length, double width) {
+            Mesh box;
+            addBox(box, {-0.5 * length, -0.5 * width, -0.02}, {0.5 * length, 0.5 * width, 0.012});
+            return addPrototype(scene, name, {of(box, paint)}, false);
+        };
+        dash_ = mark("lane mark", 3, 0.15);
+        bar_ = mark("crossing bar", 3, 0.5);
+        edge_ = mark("parking line", kEdge, 0.12);
+        stop_ = mark("stop line", 0.4, kStop);
     }
 
     void furnish(std::vector<TreePlace> trees) {
@@ -127,16 +132,18 @@ private:
         }
     }
 
-    /// Lane marks along wide streets, and bars for walkers before each crossing.
+    /// Between the lanes of wide streets, along what cars park on, and bars for walkers with a stop line before each crossing.
     void markLanes() {
         for (const Street& street : plan_.streets) {
             if (street.width < 13) continue;
+            std::vector<double> between{0};
+            if (lanesEachWay(street) == 2) between = {-(kMiddle + 0.5 * kLaneWidth), 0, kMiddle + 0.5 * kLaneWidth};
             const double length = glm::distance(street.a, street.b);
             const Line line{street.a, (street.b - street.a) / length};
             for (double x = 4; x < length - 4; x += 9) {
                 const glm::dvec2 p = line.point + line.direction * x;
                 if (onCrossing(p, street, 7)) continue;
-                addInstance(scene_, dash_, {p, 0}, line.direction);
+                for (const double left : between) addInstance(scene_, dash_, {p + line.left() * left, 0}, line.direction);
             }
         }
         for (const Block& block : plan_.blocks)
@@ -148,6 +155,10 @@ private:
                 if (length < 30 || width < 13) continue;
                 for (const double end : {3.5, length - 3.5})
                     for (double out = 0.6; out < 0.5 * width - 0.3; out += 1.0) addInstance(scene_, bar_, {at(kerb, end, -out), 0}, kerb.direction);
+                const double parked = kParkedReach + 0.15;
+                for (double x = 8 + 0.5 * kEdge; x + 0.5 * kEdge < length - 6; x += kEdge) addInstance(scene_, edge_, {at(kerb, x, -parked), 0}, kerb.direction);
+                // Whoever drives on this side comes to the edge's beginning.
+                for (double out = parked + 0.5 * kStop; out + 0.5 * kStop < 0.5 * width; out += kStop) addInstance(scene_, stop_, {at(kerb, 6.2, -out), 0}, kerb.direction);
             }
     }
 
@@ -191,7 +202,8 @@ private:
     const Plan& plan_;
     const FurnitureOptions& options_;
     std::array<uint32_t, std::size(kCarColours)> cars_{};
-    uint32_t lamp_ = 0, sign_ = 0, dash_ = 0, bar_ = 0;
+    static constexpr double kEdge = 10, kStop = 2.9;  // metres of line in one piece
+    uint32_t lamp_ = 0, sign_ = 0, dash_ = 0, bar_ = 0, edge_ = 0, stop_ = 0;
 };
 
 }  // namespace

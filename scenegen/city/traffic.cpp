@@ -9,7 +9,7 @@ namespace dapple::scenegen::city {
 namespace {
 
 constexpr uint64_t kTrafficPurpose = 0x74726166666963;
-constexpr double kLaneWidth = 3.4, kShortest = 30;
+constexpr double kShortest = 30;
 
 /// Trims the lane where kerbs, or cars parked along them, stand in its way: only streets' ends have any.
 void trim(double& from, double& to, const Line& middle, const Plan& plan) {
@@ -27,11 +27,13 @@ void trim(double& from, double& to, const Line& middle, const Plan& plan) {
 
 }  // namespace
 
+int lanesEachWay(const Street& street) { return 0.5 * street.width - kParkedReach - kMiddle - kCarHalfWidth < kLaneWidth ? 1 : 2; }
+
 std::vector<Lane> lanesOf(const Plan& plan) {
     std::vector<Lane> lanes;
     for (const Street& s : plan.streets) {
-        const double length = glm::distance(s.a, s.b), room = 0.5 * s.width - kParkedReach - kMiddle - kCarHalfWidth;
-        const int count = room < kLaneWidth ? 1 : 2;
+        const double length = glm::distance(s.a, s.b);
+        const int count = lanesEachWay(s);
         for (const bool back : {false, true})
             for (int i = 0; i < count; ++i) {
                 const glm::dvec2 start = back ? s.b : s.a;

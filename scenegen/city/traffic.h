@@ -12,13 +12,18 @@ inline constexpr double kParkedReach = 2.25;  ///< metres from the kerb that par
 inline constexpr double kHeadway = 10.5;      ///< metres from one car's middle to the next one's, at least
 inline constexpr double kMiddle = 1.95;       ///< metres from a street's centre line to that of its first lane
 
+inline constexpr double kLaneWidth = 3.4;     ///< metres
+
+/// Lanes in each direction, 1 or 2.
+int lanesEachWay(const Street& street);
+
 /// Where cars drive: from one end of a straight street to the other, on its right.
 struct Lane {
     glm::dvec2 from{0}, to{0};  ///< middle of a car at the ends: nowhere between them it touches a kerb or a parked car
     double speed = 0;           ///< metres per second: 8 in the narrowest streets, 14 in the widest
 };
 
-/// One or two lanes a direction; streets too short for a few car lengths have none.
+/// Streets too short for a few car lengths have none.
 std::vector<Lane> lanesOf(const Plan& plan);
 
 /// Appends `perKm` cars to each kilometre of lane, as moving instances of some of `cars` (heading +x). Those of one lane

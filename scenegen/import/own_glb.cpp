@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 // Khronos, "glTF 2.0 Specification" (2021), sections 3.6 and 4.4.
@@ -122,13 +123,17 @@ private:
 
 std::optional<Scene> readOwnGlb(const std::filesystem::path& path) {
     if (path.extension() != ".glb" || !std::filesystem::is_regular_file(path)) return {};
-    const std::string file = base::readFile(path);
     uint32_t header[5] = {};  // magic, version, length; length and type of the JSON chunk
-    if (file.size() < sizeof header) return {};
-    std::memcpy(header, file.data(), sizeof header);
-    if (header[0] != 0x46546C67 || header[3] > file.size() - sizeof header) return {};
-    const Json root = Json::parse(file.begin() + sizeof header, file.begin() + std::ptrdiff_t(sizeof header + header[3]), nullptr, false);
+    const auto size = std::filesystem::file_size(path);
+    std::ifstream stream(path, std::ios::binary);
+    if (size < sizeof header || !stream.read(reinterpret_cast<char*>(header), sizeof header)) return {};
+    if (header[0] != 0x46546C67 || header[3] > size - sizeof header) return {};
+    // Of others' files no more is read than says that they are: the importer reads them again.
+    std::string json(header[3], '\0');
+    if (!stream.read(json.data(), std::streamsize(json.size()))) return {};
+    const Json root = Json::parse(json, nullptr, false);
     if (!root.is_object() || !root.contains("asset") || root["asset"].value("generator", "") != kGlbGenerator) return {};
+    const std::string file = base::readFile(path);
     try {
         const size_t binary = sizeof header + header[3];
         uint32_t chunk[2] = {};

@@ -83,9 +83,15 @@ BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget, int
     size_t trunks = 0, limbs = 0, twigs = 0;
     const auto count = [&] {
         trunks = limbs = twigs = 0;
-        for (size_t i = 0; i < kept.size(); ++i)
-            if (kept[i])
-                (isTwig(skeleton.stems[i]) ? twigs : isLimb(skeleton.stems[i]) ? limbs : trunks) += cageOf(species, skeleton.stems[i], coarser).triangles();
+        const Stem* last = nullptr;
+        size_t triangles = 0;
+        for (size_t i = 0; i < kept.size(); ++i) {
+            if (!kept[i]) continue;
+            const Stem& stem = skeleton.stems[i];
+            // Most stems are twigs of one kind.
+            if (!last || stem.level != last->level || stem.ringCount != last->ringCount) triangles = cageOf(species, *(last = &stem), coarser).triangles();
+            (isTwig(stem) ? twigs : isLimb(stem) ? limbs : trunks) += triangles;
+        }
     };
     count();
     if (budget > 0) {

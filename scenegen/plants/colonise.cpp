@@ -1,10 +1,11 @@
 #include "scenegen/plants/colonise.h"
 
-#include "base/detmath.h"
 #include "base/random.h"
+#include "scenegen/plants/lanes.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace dapple::scenegen {
 namespace {
@@ -12,58 +13,78 @@ namespace {
 constexpr uint64_t kAttractorPurpose = 192;
 constexpr size_t kMostNodes = 20'000;
 
-/// Attractors with the node nearest to each, in a grid whose cells are as large as the radius of influence, so that
-/// what a new node can reach lies in 27 cells. Those that a node has reached are gone.
+/// Attractors with the node nearest to each, sorted into a grid whose cells are as large as the radius of influence, so
+/// that what a new node can reach lies in nine rows of three cells.
 class Attractors {
 public:
     Attractors(const std::vector<glm::dvec3>& points, const ColonisationParameters& p) : p_(p) {
         glm::dvec3 hi = lo_ = points.empty() ? glm::dvec3(0) : points[0];
         for (const glm::dvec3& a : points) lo_ = glm::min(lo_, a), hi = glm::max(hi, a);
-        for (int axis = 0; axis < 3; ++axis) cells_[axis] = int((hi[axis] - lo_[axis]) / p.influence) + 1;
-        grid_.resize(size_t(cells_.x) * size_t(cells_.y) * size_t(cells_.z));
-        for (const glm::dvec3& a : points) grid_[cell(glm::ivec3(glm::floor((a - lo_) / p.influence)))].push_back({a, p.influence * p.influence, -1});
+        for (int axis = 0; axis < 3; ++axis) count_[axis] = int((hi[axis] - lo_[axis]) / p.influence) + 1;
+        first_.resize(size_t(count_.x) * size_t(count_.y) * size_t(count_.z) + 1);
+        for (const glm::dvec3& a : points) ++first_[cell(cellOf(a)) + 1];
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        for (std::vector<double>* column : {&x_, &y_, &z_, &distance2_}) column->resize(points.size() + kStride);
+        pull_.resize(points.size());
+        nearest_.resize(points.size(), -1);
+        std::vector<size_t> next = first_;
+        for (const glm::dvec3& a : points) {
+            const size_t i = next[cell(cellOf(a))]++;
+            x_[i] = a.x, y_[i] = a.y, z_[i] = a.z, distance2_[i] = p.influence * p.influence;
+        }
     }
 
     /// Attractors that the new node is nearest to are its own.
     void add(const glm::dvec3& node, int index) {
-        const glm::ivec3 at(glm::floor((node - lo_) / p_.influence));
-        const glm::ivec3 from = glm::max(at - 1, glm::ivec3(0)), to = glm::min(at + 1, cells_ - 1);
+        const glm::ivec3 at = cellOf(node), from = glm::max(at - 1, glm::ivec3(0)), to = glm::min(at + 1, count_ - 1);
+        if (from.x > to.x) return;
         for (int z = from.z; z <= to.z; ++z)
-            for (int y = from.y; y <= to.y; ++y)
-                for (int x = from.x; x <= to.x; ++x) {
-                    std::vector<Attractor>& near = grid_[cell({x, y, z})];
-                    size_t left = 0;
-                    for (Attractor& a : near) {
-                        const glm::dvec3 d = a.position - node;
-                        const double d2 = glm::dot(d, d);
-                        if (d2 < a.distance2) a.distance2 = d2, a.nearest = index;
-                        if (d2 >= p_.kill * p_.kill) near[left++] = a;
-                    }
-                    near.resize(left);
-                }
+            for (int y = from.y; y <= to.y; ++y) addToRow(first_[cell({from.x, y, z})], first_[cell({to.x, y, z}) + 1], node, index);
     }
 
     /// Of each node, the sum of the unit vectors to its attractors.
-    std::vector<glm::dvec3> pulls(const std::vector<CrownNode>& nodes) const {
-        std::vector<glm::dvec3> sums(nodes.size(), glm::dvec3(0));
-        for (const std::vector<Attractor>& near : grid_)
-            for (const Attractor& a : near)
-                if (a.nearest >= 0) sums[size_t(a.nearest)] += glm::normalize(a.position - nodes[size_t(a.nearest)].position);
-        return sums;
+    void pulls(std::vector<glm::dvec3>& sums) const {
+        std::fill(sums.begin(), sums.end(), glm::dvec3(0));
+        for (size_t i = 0; i < nearest_.size(); ++i)
+            if (nearest_[i] >= 0) sums[size_t(nearest_[i])] += pull_[i];
     }
 
 private:
-    struct Attractor {
-        glm::dvec3 position;
-        double distance2 = 0;  // to the nearest node, at first the radius of influence
-        int nearest = -1;
-    };
-    size_t cell(const glm::ivec3& c) const { return (size_t(c.z) * size_t(cells_.y) + size_t(c.y)) * size_t(cells_.x) + size_t(c.x); }
+    static constexpr size_t kStride = 4;
+    glm::ivec3 cellOf(const glm::dvec3& p) const { return glm::ivec3(glm::floor((p - lo_) / p_.influence)); }
+    size_t cell(const glm::ivec3& c) const { return (size_t(c.z) * size_t(count_.y) + size_t(c.y)) * size_t(count_.x) + size_t(c.x); }
+
+    /// Looks at up to kStride - 1 attractors past `end`, which does no harm.
+    void addToRow(size_t begin, size_t end, const glm::dvec3& node, int index) {
+        const Pair3 from{Pair{node.x, node.x}, Pair{node.y, node.y}, Pair{node.z, node.z}};
+        const auto distance2 = [&](size_t i) {
+            const Pair3 d = Pair3{loadPair(&x_[i]), loadPair(&y_[i]), loadPair(&z_[i])} - from;
+            return dot(d, d);
+        };
+        for (size_t i = begin; i < end; i += kStride) {
+            const Pair d[2] = {distance2(i), distance2(i + 2)};
+            const auto nearer = (d[0] < loadPair(&distance2_[i])) | (d[1] < loadPair(&distance2_[i + 2]));
+            if ((nearer[0] | nearer[1]) == 0) continue;  // of most
+            for (size_t k = 0; k < kStride; ++k)
+                if (const double d2 = d[k / 2][k % 2]; d2 < distance2_[i + k]) draw(i + k, node, d2, index);
+        }
+    }
+
+    void draw(size_t attractor, const glm::dvec3& node, double d2, int index) {
+        const bool reached = d2 < p_.kill * p_.kill;
+        distance2_[attractor] = reached ? 0 : d2;
+        nearest_[attractor] = reached ? -1 : index;
+        pull_[attractor] = glm::normalize(glm::dvec3(x_[attractor], y_[attractor], z_[attractor]) - node);
+    }
 
     const ColonisationParameters& p_;
     glm::dvec3 lo_;
-    glm::ivec3 cells_;
-    std::vector<std::vector<Attractor>> grid_;
+    glm::ivec3 count_;
+    std::vector<size_t> first_;        // attractor of each cell
+    std::vector<double> x_, y_, z_;    // of the attractors
+    std::vector<double> distance2_;    // to the nearest node, at first the radius of influence; 0 when reached
+    std::vector<glm::dvec3> pull_;     // unit, from that node
+    std::vector<int> nearest_;         // -1: none
 };
 
 std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t seed) {
@@ -72,8 +93,10 @@ std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t 
     std::vector<glm::dvec3> points;
     while (points.size() < size_t(species.colonisation->attractors)) {
         const glm::dvec3 p{radius * random.next(-1, 1), radius * random.next(-1, 1), foot + (height - foot) * random.next()};  // braces: in this order
+        const double across2 = p.x * p.x + p.y * p.y;
+        if (across2 >= radius * radius) continue;  // a power takes long
         const double widest = radius * envelopeRatio(species.prune, (height - p.z) / (height - foot));
-        if (p.x * p.x + p.y * p.y < widest * widest) points.push_back(p);
+        if (across2 < widest * widest) points.push_back(p);
     }
     return points;
 }
@@ -84,7 +107,7 @@ std::vector<CrownNode> colonise(const Species& species, double height, double ra
     const ColonisationParameters& p = *species.colonisation;
     Attractors attractors(scatter(species, height, seed), p);
     std::vector<CrownNode> nodes;
-    std::vector<glm::dvec3> lastPull;  // of each node: one that pulls as before would grow the same twig again
+    std::vector<glm::dvec3> pulls, lastPull;  // of each node: one that pulls as before would grow the same twig again
     const auto add = [&](const glm::dvec3& position, int parent) {
         attractors.add(position, int(nodes.size()));
         nodes.push_back({position, parent, 0});
@@ -95,7 +118,8 @@ std::vector<CrownNode> colonise(const Species& species, double height, double ra
 
     for (size_t before = 0; before != nodes.size() && nodes.size() < kMostNodes;) {
         before = nodes.size();
-        const std::vector<glm::dvec3> pulls = attractors.pulls(nodes);
+        pulls.resize(before);
+        attractors.pulls(pulls);
         for (size_t i = 0; i < before; ++i) {
             if (pulls[i] == lastPull[i]) continue;
             lastPull[i] = pulls[i];
@@ -110,7 +134,10 @@ std::vector<CrownNode> colonise(const Species& species, double height, double ra
         if (area[i] == 0) area[i] = 1;
         if (nodes[i].parent >= 0) area[size_t(nodes[i].parent)] += area[i];
     }
-    for (size_t i = 0; i < nodes.size(); ++i) nodes[i].radius = radius * base::det::pow(area[i] / area[0], 1 / p.pipe);
+    const double whole = area[0];
+    for (double& a : area) a /= whole;
+    powers(area, 1 / p.pipe);
+    for (size_t i = 0; i < nodes.size(); ++i) nodes[i].radius = radius * area[i];
     return nodes;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 /// Two or four numbers in one register, which every 64-bit processor has. Each lane has the bits that the same expression has
 /// in scalars: the order of operations is that of glm's functions of the same name.
@@ -60,6 +61,29 @@ inline PairSinCos sinCos(Pair x) {
     const auto signOf = [](Bits b) { return (b & 2) << 62; };
     return {reinterpret_cast<Pair>(((bc & odd) | (bs & ~odd)) ^ signOf(quadrant)),
             reinterpret_cast<Pair>(((bs & odd) | (bc & ~odd)) ^ signOf(quadrant + 1))};
+}
+
+/// x to the y as det::pow gives it, for each x in place. A power is one long chain of quotients: those of four numbers, in two pairs, go abreast.
+inline void powers(std::span<double> x, double y) {
+    constexpr size_t kAbreast = 4;
+    for (size_t begin = 0; begin < x.size(); begin += kAbreast) {
+        const size_t n = std::min(kAbreast, x.size() - begin);
+        double* const from = x.data() + begin;
+        double m[kAbreast] = {1, 1, 1, 1}, scale[kAbreast] = {};
+        for (size_t i = 0; i < n; ++i) {
+            int exponent = 0;
+            if (from[i] > 0) m[i] = base::det::partsForLog2(from[i], exponent);
+            scale[i] = exponent;
+        }
+        Pair product[2], whole[2];
+        for (size_t i = 0; i < 2; ++i) {
+            product[i] = y * base::det::log2OfParts(loadPair(m + 2 * i), loadPair(scale + 2 * i));
+            whole[i] = Pair{std::floor(product[i][0] + 0.5), std::floor(product[i][1] + 0.5)};
+            product[i] = (product[i] - whole[i]) * 0.69314718055994530942;
+        }
+        const Pair power[2] = {base::det::expNearZero(product[0]), base::det::expNearZero(product[1])};
+        for (size_t i = 0; i < n; ++i) from[i] = from[i] > 0 ? std::ldexp(power[i / 2][i % 2], int(whole[i / 2][i % 2])) : 0;
+    }
 }
 
 }  // namespace dapple::scenegen

@@ -3,6 +3,7 @@
 #include "base/random.h"
 #include "scenegen/plants/colonise.h"
 #include "scenegen/plants/frames.h"
+#include "scenegen/plants/lanes.h"
 
 #include <algorithm>
 #include <array>
@@ -51,7 +52,6 @@ struct Fork {
 struct Bud {
     double offset;         ///< metres along the parent
     double length = 0;     ///< metres
-    double thickness = 0;  ///< radius over the parent's
     double leafShare = 0;
     double direction = 0, down = 0;  ///< degrees, about the parent's axis and away from it
 };
@@ -79,6 +79,7 @@ public:
         trunkLength_ = stem.length;
         twigsLater_ = twigsLater && zScale == 1 && species_.levels.back().segSplits == 0;
         skeleton_.stems.reserve(2048);
+        if (species_.prune.ratio > 0) skeleton_.courses.reserve(8192);
         if (species_.colonisation)
             growCrown(stem);
         else
@@ -97,7 +98,11 @@ public:
             Stem& twig = skeleton.stems[id];
             if (!twig.rings.empty()) continue;
             if (twig.parent != parent) axis.emplace(skeleton.stems[size_t(parent = twig.parent)]);
-            steer(twig, int(id), twig.root, 0, 0, none);
+            const auto end = skeleton.courses.begin() + long(twig.courseEnd);
+            if (twig.courseEnd > 0)
+                course_.assign(end - species_.levels.back().curveRes, end);
+            else
+                steer(twig, int(id), twig.root, 0, 0, none);
             addRings(twig, twig.root, axis->centre(twig.parentOffset), 0, 1 << skeleton.thinned);
         }
     }
@@ -161,10 +166,14 @@ private:
             if (stem.length < kShortest * whole) return false;
         }
         stem.faceted = p.refine == 0;
-        if (later)
+        if (later) {
             stem.ringCount = size_t(p.curveRes) + 1;
-        else
+            if (!pruned) return true;
+            skeleton_.courses.insert(skeleton_.courses.end(), course_.begin(), course_.end());
+            stem.courseEnd = skeleton_.courses.size();
+        } else {
             addRings(stem, frame, root, segment, 1);
+        }
         return true;
     }
 
@@ -184,8 +193,13 @@ private:
                 double bend = p.curve / p.curveRes;
                 if (p.curveBack != 0) bend = (s < (p.curveRes + 1) / 2 ? p.curve : p.curveBack) / (0.5 * p.curveRes);
                 frame = rotateX(frame, bend - correction + p.curveV / p.curveRes * curve.next(-1, 1));
-                if (p.curveV != 0) frame = rotateZ(frame, 30 * curve.next(-1, 1));
-                if (stem.level >= 2) frame = attract(frame, p.curveRes);
+                // Past the last segment nobody asks for more than its direction.
+                const bool last = s + 1 == p.curveRes;
+                if (p.curveV != 0 && !last) frame = rotateZ(frame, 30 * curve.next(-1, 1));
+                if (stem.level >= 2) {
+                    const glm::dvec3 along = attracted(frame[2], p.curveRes);
+                    frame = last || along == frame[2] ? glm::dmat3(frame[0], frame[1], along) : frameAlong(along, frame[0]);
+                }
             }
             course_.push_back(frame[2]);
             if (s + 1 < p.curveRes) fork(stem, p, s, frame, correction, split, forks);
@@ -306,13 +320,13 @@ private:
     }
 
     /// Section 4.8: vertical attraction turns the direction towards the sky.
-    glm::dmat3 attract(const glm::dmat3& f, int segments) const {
-        const glm::dvec3 axis = glm::cross(f[2], glm::dvec3(0, 0, 1));
+    glm::dvec3 attracted(const glm::dvec3& along, int segments) const {
+        const glm::dvec3 axis = glm::cross(along, glm::dvec3(0, 0, 1));
         const double sine = glm::length(axis);
-        if (species_.attractionUp == 0 || sine < 1e-6) return f;
-        const double decl = declination(f), angle = std::clamp(species_.attractionUp * decl * sine / segments, -decl, decl);
+        if (species_.attractionUp == 0 || sine < 1e-6) return along;
+        const double decl = det::acos(along.z) / det::kDegree, angle = std::clamp(species_.attractionUp * decl * sine / segments, -decl, decl);
         const auto [s, c] = det::sinCos(angle * det::kDegree);
-        return frameAlong(f[2] * c + glm::cross(axis / sine, f[2]) * s, f[0]);
+        return along * c + glm::cross(axis / sine, along) * s;
     }
 
     /// Section 4.2: the stem splits at the end of segment s; rounding errors are carried on.
@@ -367,7 +381,7 @@ private:
         }
         const int count = int(most * (end - begin) / (parent.length - parent.crown) + 0.5);
         double turn = 360 * random.next();
-        // All buds first: their powers are long chains, which the processor overlaps as long as nothing else is between them.
+        // All buds first: their powers go abreast.
         std::vector<Bud> buds;
         buds.reserve(size_t(std::max(0, count)));
         for (int k = 0; k < count; ++k) {
@@ -376,9 +390,12 @@ private:
                                              : (k + 0.5 + 0.4 * random.next(-1, 1)) / count;
             buds.push_back(bud(parent, p, begin + (end - begin) * (p.whorl > 1 ? wholeWhorl(place, k, p.whorl, whorls) : place), k, turn, random));
         }
-        for (Bud& b : buds) b.thickness = det::pow(b.length / parent.length, species_.ratioPower);
+        std::vector<double> thickness;
+        thickness.reserve(buds.size());
+        for (const Bud& b : buds) thickness.push_back(b.length / parent.length);
+        powers(thickness, species_.ratioPower);
         StemAxis axis(parent);
-        for (const Bud& b : buds) growChild(parent, parentId, p, b, axis.at(b.offset));
+        for (size_t k = 0; k < buds.size(); ++k) growChild(parent, parentId, p, buds[k], thickness[k], axis.at(buds[k].offset));
     }
 
     /// Boughs of one whorl spring from nearly one height; whorls crowd towards the top, where a year's growth is short.
@@ -412,13 +429,13 @@ private:
         return b;
     }
 
-    void growChild(const Stem& parent, int parentId, const LevelParameters& p, const Bud& b, const StemPoint& root) {
+    void growChild(const Stem& parent, int parentId, const LevelParameters& p, const Bud& b, double thickness, const StemPoint& root) {
         Stem child;
         child.level = parent.level + 1;
         child.parent = parentId;
         child.parentOffset = b.offset;
         child.length = b.length;
-        child.radius = std::max(kMinRadius, std::min(parent.radius * b.thickness, 0.9 * root.radius));
+        child.radius = std::max(kMinRadius, std::min(parent.radius * thickness, 0.9 * root.radius));
         child.leafShare = b.leafShare;
         // Rows lie left and right of the parent, so they are turned from its upright plane.
         const glm::dmat3 base = p.rotate < 0 ? uprightFrame(root.frame) : root.frame;

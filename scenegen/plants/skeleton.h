@@ -38,6 +38,7 @@ struct Stem {
     double bury = 0;         ///< a trunk goes on below the ground, which undulates: metres
     glm::dmat3 root{1};      ///< frame that it leaves its parent with, before its first bend
     size_t ringCount = 0;    ///< of rings, once they are grown
+    size_t courseEnd = 0;    ///< of its directions in Skeleton::courses; 0: not there
     std::vector<Ring> rings; ///< at least two; none before growTwigs, where they are left to that
 
     /// Centre of ring i of the control cage. The ends lie beyond the stem's, because the limit surface
@@ -72,6 +73,7 @@ private:
 struct Skeleton {
     std::vector<Stem> stems;  ///< a parent stands before its children
     int thinned = 0;          ///< times that thinRings was called
+    std::vector<glm::dvec3> courses;  ///< of each segment of those twigs whose length pruning had to find out, unit
 };
 
 /// Weber and Penn (1995), sections 4.1-4.8. The same species and seed give the same bits everywhere.

@@ -15,10 +15,12 @@ constexpr double kBarkShare[kLods] = {1, 0.8, 0.5};
 
 }  // namespace
 
+size_t barkBudget(const Species& species, size_t triangles, int lod) { return size_t(kBarkShare[lod] * species.barkShare * double(triangles)); }
+
 Tree growTree(const Species& species, const TreeOptions& options) {
     Skeleton skeleton = options.wind ? growSkeleton(species, options.seed) : growLimbs(species, options.seed);
     if (options.wind) sway(skeleton, *options.wind, options.seed);
-    const BarkPlan plan = planBark(species, skeleton, size_t(kBarkShare[options.lod] * species.barkShare * double(options.triangles)), options.lod);
+    const BarkPlan plan = planBark(species, skeleton, barkBudget(species, options.triangles, options.lod), options.lod);
     if (options.lod > 0) {
         // Leaves float where a twig would be.
         std::vector<uint32_t> all(skeleton.stems.size());

@@ -26,6 +26,9 @@ struct Tree {
     Mesh leaves;  ///< open, but for LeafMode::solid
 };
 
+/// Most triangles of a tree of `triangles` that its stems may use at a level of detail; 0 for 0, which is no limit.
+size_t barkBudget(const Species& species, size_t triangles, int lod);
+
 /// Grows one individual. With a budget the tree has that many triangles, less what is too little for one leaf more.
 /// Throws UsageError when the budget is below what trunk and a few leaves need.
 Tree growTree(const Species& species, const TreeOptions& options);

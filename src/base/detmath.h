@@ -42,26 +42,42 @@ inline SinCos sinCos(double x) {
 inline double sin(double x) { return sinCos(x).sin; }
 inline double cos(double x) { return sinCos(x).cos; }
 
+/// Taylor polynomial of e to the y, |y| ≤ ln 2 / 2.
+template <class Real>
+inline Real expNearZero(Real y) {
+    Real sum = 1.0 + y * 0.0;
+    for (int i = 14; i >= 1; --i) sum = 1.0 + sum * y / static_cast<double>(i);
+    return sum;
+}
+
 inline double exp2(double x) {
-    const double k = std::floor(x + 0.5), y = (x - k) * 0.69314718055994530942;
-    double sum = 1;
-    for (int i = 14; i >= 1; --i) sum = 1 + sum * y / i;
-    return std::ldexp(sum, static_cast<int>(k));
+    const double k = std::floor(x + 0.5);
+    return std::ldexp(expNearZero((x - k) * 0.69314718055994530942), static_cast<int>(k));
+}
+
+/// log2 of m, √½ ≤ m < √2, and of 2 to the exponent.
+template <class Real>
+inline Real log2OfParts(Real m, Real exponent) {
+    const Real s = (m - 1.0) / (m + 1.0), q = s * s;
+    constexpr double kInverse[] = {1.0 / 19, 1.0 / 17, 1.0 / 15, 1.0 / 13, 1.0 / 11, 1.0 / 9, 1.0 / 7, 1.0 / 5, 1.0 / 3, 1.0};
+    Real sum = q * 0.0;
+    for (const double inverse : kInverse) sum = sum * q + inverse;
+    return exponent + 2.0 * s * sum * 1.44269504088896340736;
+}
+
+/// x > 0 as m and an exponent for log2OfParts.
+inline double partsForLog2(double x, int& exponent) {
+    const double m = std::frexp(x, &exponent);
+    if (m >= 0.70710678118654752440) return m;
+    --exponent;
+    return 2 * m;
 }
 
 /// x > 0.
 inline double log2(double x) {
     int exponent = 0;
-    double m = std::frexp(x, &exponent);
-    if (m < 0.70710678118654752440) {
-        m *= 2;
-        --exponent;
-    }
-    const double s = (m - 1) / (m + 1), q = s * s;
-    constexpr double kInverse[] = {1.0 / 19, 1.0 / 17, 1.0 / 15, 1.0 / 13, 1.0 / 11, 1.0 / 9, 1.0 / 7, 1.0 / 5, 1.0 / 3, 1.0};
-    double sum = 0;
-    for (const double inverse : kInverse) sum = sum * q + inverse;
-    return exponent + 2 * s * sum * 1.44269504088896340736;
+    const double m = partsForLog2(x, exponent);
+    return log2OfParts(m, static_cast<double>(exponent));
 }
 
 /// x ≥ 0; 0 for x = 0 whatever y is.

@@ -1,5 +1,5 @@
 #include "scenegen/plants/bark.h"
-#include "scenegen/plants/foliage.h"
+#include "scenegen/plants/tree.h"
 
 #include <gtest/gtest.h>
 
@@ -59,7 +59,7 @@ TEST_P(Leaves, ofEveryLevelAndModeGrowOnTwigs) {
     const Species species = loadSpecies(GetParam());
     const auto worst = [&](uint64_t seed, int lod, LeafMode mode) {
         Skeleton skeleton = growLimbs(species, seed);
-        const BarkPlan plan = planBark(species, skeleton, size_t(species.barkShare * double(species.triangles[size_t(lod)])), lod);
+        const BarkPlan plan = planBark(species, skeleton, barkBudget(species, species.triangles[size_t(lod)], lod), lod);
         std::vector<uint32_t> grown = plan.kept;
         if (lod > 0) {
             grown.resize(skeleton.stems.size());
