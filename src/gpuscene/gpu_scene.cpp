@@ -1,5 +1,7 @@
 #include "gpuscene/gpu_scene.h"
 
+#include "gpuscene/instance_table.h"
+
 #include <glm/gtc/packing.hpp>
 
 #include <algorithm>
@@ -132,11 +134,20 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
 
 void GpuScene::instancesMoved() {
     box_ = {};
-    for (size_t i = 0; i < boxes_.size(); ++i) {
+    std::vector<uint32_t> moved;
+    std::vector<base::Box> movedBoxes;
+    for (uint32_t i = 0; i < boxes_.size(); ++i) {
         const scenegen::Instance& instance = scene_->instances[i];
-        boxes_[i] = scenegen::instanceBox(prototypes_[instance.prototype].box, instance);
-        box_.extend(boxes_[i]);
+        const base::Box box = scenegen::instanceBox(prototypes_[instance.prototype].box, instance);
+        if (box.lo != boxes_[i].lo || box.hi != boxes_[i].hi) {
+            moved.push_back(i);
+            movedBoxes.push_back(box);
+        }
+        boxes_[i] = box;
+        box_.extend(box);
     }
+    for (auto& [settings, hierarchy] : hierarchies_) hierarchy.refit(moved, movedBoxes);
+    if (instanceTable_) instanceTable_->upload();
 }
 
 size_t GpuScene::bufferBytes() const {

@@ -212,6 +212,30 @@ void Hierarchy::refit(std::span<const uint32_t> items, std::span<const base::Box
     }
 }
 
+double Hierarchy::support(const glm::dvec3& direction) const {
+    const auto reach = [&](const base::Box& box) {
+        return glm::dot(direction, glm::dvec3(box.lo) + glm::dvec3(box.hi)) / 2 + glm::dot(glm::abs(direction), glm::dvec3(box.hi) - glm::dvec3(box.lo)) / 2;
+    };
+    double most = -std::numeric_limits<double>::infinity();
+    std::vector<uint32_t> open;
+    if (!nodes_.empty()) open.push_back(0);
+    while (!open.empty()) {
+        const uint32_t n = open.back();
+        const Node& node = nodes_[n];
+        open.pop_back();
+        if (node.box.empty() || reach(node.box) <= most) continue;
+        if (node.leaf()) {
+            for (uint32_t i = node.firstItem; i < node.firstItem + node.itemCount; ++i) most = std::max(most, reach(boxes_[i]));
+            continue;
+        }
+        // The child that reaches farther comes off the stack first.
+        const bool right = reach(nodes_[node.right].box) > reach(nodes_[n + 1].box);
+        open.push_back(right ? n + 1 : node.right);
+        open.push_back(right ? node.right : n + 1);
+    }
+    return most;
+}
+
 void Hierarchy::tightBounds(uint32_t node, int depth, double areaRatio, std::vector<uint32_t>& into) const {
     const double limit = areaRatio * surfaceArea(nodes_[node].box);
     double area = surfaceArea(nodes_[node].box);

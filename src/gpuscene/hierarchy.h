@@ -45,6 +45,10 @@ public:
     /// items a leaf holds stays. `items` (each at most once) and `boxes` are parallel. Items that were left out are ignored.
     void refit(std::span<const uint32_t> items, std::span<const base::Box> boxes);
 
+    /// Largest dot(direction, p) over the points p of all items' boxes, metres from Scene::origin times the length of
+    /// `direction`; −infinity where there is no item. Visits few nodes.
+    double support(const glm::dvec3& direction) const;
+
     /// Appends nodes whose boxes together enclose all of `node`, more tightly than its own (CHC++, section 4.4): breadth first
     /// at most `depth` levels down, as long as the sum of their surface areas is ≤ `areaRatio` × that of the node. Empty ones are left out.
     void tightBounds(uint32_t node, int depth, double areaRatio, std::vector<uint32_t>& into) const;

@@ -129,5 +129,18 @@ TEST(Camera, NoMethodChangesTheDepthImage) {
     }
 }
 
+// Cars drive on: hierarchies and the GPU's table of instances follow.
+TEST(Moving, CullingFollowsTheInstances) {
+    Walk walk("city-vienna", {"scale=0.03"});
+    ASSERT_FALSE(walk.scene.motions.empty());
+    for (const char* camera : {"chcpp", "frustum"}) walk.images("uniform", {{"camera", camera}, {"cull", "pyramid"}});  // what is made on first use is there
+    walk.scene.moveTo(7);
+    walk.gpu.instancesMoved();
+    walk.frame.instancesMoved();
+    expectSamePixels(walk, "uniform", {});
+    Walk fresh("city-vienna", {"scale=0.03", "time=7"});
+    EXPECT_EQ(walk.images("uniform", {{"cull", "pyramid"}}), fresh.images("uniform", {{"cull", "none"}}));
+}
+
 }  // namespace
 }  // namespace dapple::bench

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace dapple::gpuscene {
 namespace {
@@ -217,6 +218,20 @@ TEST(Hierarchy, TightBoundsEncloseEverythingWithinTheirArea) {
             opened += bounds.size() > 1;
         }
     EXPECT_GT(opened, 500u);
+}
+
+TEST(Hierarchy, SupportIsThatOfAllBoxes) {
+    const Items items = strewn(3000, 11);
+    const Hierarchy hierarchy = items.build();
+    base::Random random(12, 0, 0);
+    for (int k = 0; k < 50; ++k) {
+        const glm::dvec3 direction(random.next(-1, 1), random.next(-1, 1), k == 0 ? 0 : random.next(-1, 1));
+        double most = -1e300;
+        for (const base::Box& box : items.boxes)
+            for (int corner = 0; corner < 8; ++corner) most = std::max(most, glm::dot(direction, glm::dvec3(box.corner(corner))));
+        EXPECT_NEAR(hierarchy.support(direction), most, 1e-9);
+    }
+    EXPECT_EQ(Hierarchy().support({1, 0, 0}), -std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

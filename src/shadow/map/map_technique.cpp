@@ -20,6 +20,9 @@ namespace {
 using gpuscene::Attributes;
 using gpuscene::Bucket;
 
+/// Triangles in a leaf of the hierarchy that bounds the whole scene.
+constexpr uint64_t kBoundsLeaf = 10'000;
+
 class MapTechnique final : public Technique {
 public:
     MapTechnique(frame::Frame& frame, const Settings& settings)
@@ -133,10 +136,14 @@ private:
         basis_ = lightBasis(frame_.light(), camera.forward);
         const base::DBox sceneBox = frame_.relativeSceneBox();
         base::DBox sceneBounds;
-        // Only a map of the whole scene asks for every instance.
-        for (uint32_t i = 0; kind_ == FitKind::scene && i < frame_.scene().instanceBoxes().size(); ++i) {
-            const base::DBox box = frame_.relativeBox(i);
-            for (int corner = 0; corner < 8 && !box.empty(); ++corner) sceneBounds.extend(basis_.toLight(box.corner(corner)));
+        if (kind_ == FitKind::scene) {  // tighter than the box of everything, which the sun sees askew
+            const gpuscene::Hierarchy& instances = frame_.scene().hierarchy(kBoundsLeaf, false);
+            const glm::dvec3 axes[] = {basis_.u, basis_.v, basis_.l};
+            for (int k = 0; k < 3; ++k) {
+                const double eye = glm::dot(camera.eye, axes[k]);
+                sceneBounds.lo[k] = -instances.support(-axes[k]) - eye;
+                sceneBounds.hi[k] = instances.support(axes[k]) - eye;
+            }
         }
         const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
         double near = camera.far, far = camera.near;
