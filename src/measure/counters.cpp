@@ -27,6 +27,7 @@ constexpr std::array kMetrics{
     MetricInfo{"draw_calls", "calls", lower, true, "draw commands; a multi-draw counts once"},
     MetricInfo{"triangles_submitted", "triangles", lower, true, "triangles that the CPU asked for, times instances"},
     MetricInfo{"texels_allocated", "texels", lower, true, "texels of the technique's maps"},
+    MetricInfo{"texels_in_use", "texels", lower, true, "texels of maps, without the gaps between them"},
     MetricInfo{"texels_written", "texels", lower, true, "texels of the maps that the frame cleared or rendered"},
     MetricInfo{"texture_bytes", "B", lower, true, "format x extent x layers x mips x samples of the technique's maps"},
     MetricInfo{"driver_bytes", "B", lower, false, "GPU memory that the technique took by the driver's own figure"},

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 
 namespace dapple::shadow {
@@ -57,6 +58,9 @@ const std::vector<Axis> kAxes{
       {"sum", "32-bit floats, by additive blending: exact to 2^24 volumes"}}},
     {"update", "when maps are rendered",
      {{"cached", "once; nothing that they depend on changes"}, {"regenerate", "every frame"}}},
+    {"resolution", "texels along a side of an instanced map",
+     {{"fixed", "size, for every map"},
+      {"estimate", "the power of two between 16 and size that the map is asked for, measured on the receivers in sight"}}},
 };
 
 Settings mapPreset(const char* fit, const char* split, const char* cascades, const char* size) {
@@ -65,7 +69,7 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 }
 
 Settings instancedPreset(const char* own) {
-    return {{"size", "512"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+    return {{"size", "512"}, {"resolution", "fixed"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
             {"cull", "frustum"}, {"update", "cached"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}};
 }
 
@@ -175,6 +179,8 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
+        if (is("resolution", "estimate") && (number("size") < 16 || !std::has_single_bit(unsigned(number("size")))))
+            return "estimated sides are powers of two from 16 to size: size must be one";
         if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";
     }
     return std::nullopt;

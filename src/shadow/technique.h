@@ -3,6 +3,7 @@
 #include "frame/frame.h"
 #include "shadow/registry.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ public:
     virtual std::vector<LightMatrix> matrices() const { return {}; }
     /// The shadow map or the array of maps; nullptr where there is none.
     virtual const gl::Texture* map() const { return nullptr; }
+    /// Texels of map() that a look-up can reach now.
+    virtual size_t texelsInUse() const { return map() ? size_t(map()->width()) * size_t(map()->height()) * size_t(std::max(map()->layers(), 1)) : 0; }
     size_t mapBytes() const { return map() ? map()->bytes() : 0; }
     /// Draws the additive fragment count of the technique's own screen-space work into frame.overdrawTarget().
     /// False: it has none, and the overdraw of the geometry is what there is to see.

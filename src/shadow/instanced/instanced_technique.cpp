@@ -3,6 +3,7 @@
 #include "shadow/families.h"
 
 #include "shadow/instanced/caster_list.h"
+#include "shadow/instanced/resolution.h"
 #include "shadow/instanced/volume.h"
 #include "shadow/lit_start.h"
 
@@ -23,8 +24,19 @@ public:
         makePrograms();
         const gl::Texture* visibility[] = {&frame_.visibility()};
         volumeTarget_ = gl::makeFramebuffer(visibility, is("accumulate", "stencil") ? &start_.depth() : &frame_.depth());
-        if (!is("update", "cached") || maps_.types().empty()) return;
+        if (maps_.types().empty()) return;
         measure::Ledger ignored;
+        if (is("resolution", "estimate")) {
+            chooser_.emplace(std::stoi(settings.at("size")));
+            demand_.emplace(frame, lookUpDefines());
+            // The first frame has sizes that were measured, too; this is not yet a frame and may wait.
+            frame::PassObserver silent;
+            const std::vector<frame::Pass> gbuffer{frame_.gbufferPass()};
+            frame::execute(gbuffer, silent);
+            estimate(ignored);
+            maps_.resize(chooser_->update(*demand_->result(true)));
+        }
+        if (!is("update", "cached")) return;
         gl::resetState();
         maps_.render(ignored);
         gl::resetState();
@@ -35,12 +47,15 @@ public:
         maps_.choose();
         std::string mapsLeftOut, leftOut;
         if (maps_.types().empty()) mapsLeftOut = leftOut = "the scene has no caster";
-        else if (is("update", "cached") && !maps_.due()) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
+        else if (is("update", "cached") && !maps_.due() && !chooser_) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes;
         if (maps_.windows().size() == maps_.types().size() && !is("rotations", "1"))
             passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
+        if (chooser_)
+            passes.push_back({"estimate", {"gbuffer", "depth"}, {"demand"}, "texels that each map is asked for", leftOut, [this](Ledger& tally) { estimate(tally); }});
         passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.windows().size(), maps_.types().size()), mapsLeftOut,
                           [this](Ledger& tally) {
+                              if (const auto demands = chooser_ ? demand_->result() : std::nullopt) maps_.resize(chooser_->update(*demands));
                               if (is("update", "regenerate")) maps_.setAllDue();
                               maps_.render(tally);
                           }});
@@ -63,6 +78,8 @@ public:
 
     std::vector<LightMatrix> matrices() const override { return maps_.matrices(); }
     const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.atlas().texture(); }
+
+    size_t texelsInUse() const override { return maps_.atlas().texelsInUse(); }
 
     bool countOverdraw() override { return countVolumes(count_, &frame_.depth()); }
     // Each volume is convex, so without a depth test it has one fragment per pixel, and membership alone decides.
@@ -90,10 +107,15 @@ private:
         return true;
     }
 
-    void makePrograms() {
+    std::vector<std::string> lookUpDefines() const {
         std::vector<std::string> look = samplingDefines(settings_);
         look.push_back(fmt::format("MODE {}", is("mode", "blend") ? 1 : is("mode", "depth") ? 2 : 0));
         look.push_back(fmt::format("SAMPLE_FRAME {}", is("sample-frame", "A") ? 0 : is("sample-frame", "B") ? 1 : is("sample-frame", "E") ? 2 : 3));
+        return look;
+    }
+
+    void makePrograms() {
+        const std::vector<std::string> look = lookUpDefines();
         std::vector<std::string> volume = look;
         if (is("apply", "skip")) volume.push_back("SKIP_TEST");
         if (masked()) volume.push_back("MASKED");
@@ -131,6 +153,11 @@ private:
         glBindSampler(3, sampler_.name());
         casters_.bind();
         program.use();
+    }
+
+    void estimate(measure::Ledger& tally) {
+        casters_.collect();
+        demand_->record(maps_.windows().size(), [this](const gl::Program& program) { bind(program); }, tally);
     }
 
     void resolveTiles(measure::Ledger& tally) {
@@ -230,6 +257,8 @@ private:
     Settings settings_;
     CasterMaps maps_;
     CasterList casters_;
+    std::optional<SizeChooser> chooser_;      ///< with `resolution` estimate
+    std::optional<DemandEstimate> demand_;
     LitStart start_;
     gl::Framebuffer volumeTarget_;
     gl::Sampler sampler_;

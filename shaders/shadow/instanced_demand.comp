@@ -1,0 +1,71 @@
+// How many texels a side each map needs for a texel per pixel, by the receivers that look it up: a histogram per map over
+// every fourth pixel across and down (resolution estimation after Ferko et al., per map instead of per light).
+#include "lib/instanced_resolve.glsl"
+#include "lib/receiver_box.glsl"
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(std430, binding = 4) restrict buffer Demand { uint demand[]; };  // BINS for each map
+uniform int uCasters;
+shared uint sList[256];
+shared uint sCount;
+
+// Footprint of a pixel on the receiver's plane, seen from the sun: metres along the basis for a step across and one up.
+mat2 footprint(vec3 ray, float z, vec3 normal) {
+    float along = dot(normal, ray);
+    vec3 across = uRight.xyz * 2.0 * uPixel.x, up = uUp.xyz * 2.0 * uPixel.y;
+    across = z * (across - ray * (dot(normal, across) / along));
+    up = z * (up - ray * (dot(normal, up) / along));
+    return mat2(dot(across, uBasisU), dot(across, uBasisV), dot(up, uBasisU), dot(up, uBasisV));
+}
+
+// Smaller singular value.
+float shortest(mat2 m) {
+    float a = dot(m[0], m[0]), b = dot(m[1], m[1]), c = dot(m[0], m[1]);
+    float larger = 0.5 * (a + b + sqrt((a - b) * (a - b) + 4.0 * c * c));
+    return abs(determinant(m)) / sqrt(max(larger, 1e-30));
+}
+
+void ask(uint map, Caster c, mat2 metres) {
+    vec2 perSide = 0.5 * casterMaps[map].window.zw / c.place.w;  // maps by metre
+    float step = shortest(mat2(metres[0] * perSide, metres[1] * perSide));
+    int bin = int(floor(BINS_PER_OCTAVE * log2(1.0 / max(step * LEAST, 1e-9))));
+    atomicAdd(demand[map * BINS + uint(clamp(bin, 0, BINS - 1))], 1u);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) * 4 + 2, size = textureSize(uDepth, 0);
+    uint thread = gl_LocalInvocationIndex;
+    clearReceiverBox();
+    float depth = all(lessThan(pixel, size)) ? texelFetch(uDepth, pixel, 0).r : 0.0;
+    vec3 p = vec3(0.0);
+    mat2 metres = mat2(0.0);
+    bool asks = false;
+    if (depth > 0.0) {
+        vec3 ray = viewRay(vec2(pixel) + 0.5), normal = geometricNormal(pixel);
+        p = ray * eyeDepth(depth);
+        asks = dot(normal, uLight) < -LEAST_FACING;
+        metres = footprint(ray, eyeDepth(depth), normal);
+        if (asks) addReceiver(p);
+    }
+    barrier();
+    vec3 centre, reach;
+    receiverBox(centre, reach);
+    bool any = hasReceivers();
+    for (int begin = 0; any && begin < uCasters; begin += 256) {
+        if (thread == 0u) sCount = 0u;
+        barrier();
+        int i = begin + int(thread);
+        if (i < uCasters) {
+            vec2 along = reachOf(casters[i], casterTypes[casters[i].type], centre, reach);
+            if (along.y >= along.x) sList[atomicAdd(sCount, 1u)] = uint(i);
+        }
+        barrier();
+        for (uint k = 0u; k < sCount && asks; ++k) {
+            Caster c = casters[sList[k]];
+            if (!inVolume(c, casterTypes[c.type], p)) continue;
+            bool both = MODE != 0 && c.weight > 0.0;
+            if (both || c.weight < 0.5) ask(c.firstMap, c, metres);
+            if (both || c.weight >= 0.5) ask(c.secondMap, c, metres);
+        }
+        barrier();
+    }
+}
