@@ -144,6 +144,7 @@ public:
 
     std::vector<PassNote> leftOut() const override {
         std::vector<PassNote> notes;
+        for (const std::string& dropped : shared_->loaded->scene.dropped) notes.push_back({"scene", dropped});
         for (const frame::Pass& pass : renderer_.passes())
             if (!pass.leftOut.empty()) notes.push_back({pass.name, pass.leftOut});
         return notes;
@@ -209,6 +210,7 @@ std::shared_ptr<LoadedScene> GlWorkbench::load(const std::string& name, const st
     if (!entry) {
         scenegen::Scene scene = scenegen::loadScene(name, settings);
         if (!stress.empty()) stressCase(stress).apply(scene);
+        scenegen::dropBadInstances(scene);
         scenegen::validate(scene);
         entry = std::make_shared<LoadedScene>(std::move(scene));
     }

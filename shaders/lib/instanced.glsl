@@ -14,7 +14,8 @@ struct CasterType {
     vec4 centre;     // of its box, prototype space
     vec4 half_;      // half its size; w: κ², κ = horizontal radius / half height
     vec2 depth;      // metres along the light from its origin: nearest, 1 / range
-    uint padding0, padding1;
+    float pad;       // metres by which the box is larger than the object's
+    uint unused;
 };
 layout(std430, binding = 1) restrict readonly buffer Casters { Caster casters[]; };
 layout(std430, binding = 2) restrict readonly buffer CasterTypes { CasterType casterTypes[]; };

@@ -1,10 +1,12 @@
-// How many texels a side each map needs for a texel per pixel, by the receivers that look it up: a histogram per map over
-// every fourth pixel across and down (resolution estimation after Ferko et al., per map instead of per light).
+// Texels a side that each map needs for a texel per pixel, summed over the receivers that look it up, of every fourth pixel
+// across and down: resolution estimation (Ferko et al.), per map instead of per light.
 #include "lib/instanced_resolve.glsl"
 #include "lib/receiver_box.glsl"
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(std430, binding = 4) restrict buffer Demand { uint demand[]; };  // BINS for each map
+layout(std430, binding = 4) restrict buffer Demand { uint demand[]; };  // by map: sum of texels / UNIT
 uniform int uCasters;
+uniform float uPadTexels;  // about the object in each map
+uniform float uMost;  // texels a side that a map may have
 shared uint sList[256];
 shared uint sCount;
 
@@ -24,15 +26,18 @@ float shortest(mat2 m) {
     return abs(determinant(m)) / sqrt(max(larger, 1e-30));
 }
 
-void ask(uint map, Caster c, mat2 metres) {
-    vec2 perSide = 0.5 * casterMaps[map].window.zw / c.place.w;  // maps by metre
+void ask(uint map, Caster c, mat2 metres, float turn) {
+    // Of the object alone, without what surrounds it: that depends on the present side, which must not feed back.
+    float share = max(0.5, 1.0 - 2.0 * uPadTexels / casterMaps[map].square.w);
+    vec2 perSide = 0.5 * casterMaps[map].window.zw / share / c.place.w;  // objects by metre
     float step = shortest(mat2(metres[0] * perSide, metres[1] * perSide));
-    int bin = int(floor(BINS_PER_OCTAVE * log2(1.0 / max(step * LEAST, 1e-9))));
-    atomicAdd(demand[map * BINS + uint(clamp(bin, 0, BINS - 1))], 1u);
+    // What lies at a crown's edge moves with the rotation between map and caster; finer texels only draw that sharper.
+    step = length(vec2(step, ROTATION * turn));
+    atomicAdd(demand[map], uint(min(1.0 / max(step, 1e-9), uMost) / UNIT + 0.5));
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) * 4 + 2, size = textureSize(uDepth, 0);
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) * STRIDE + STRIDE / 2, size = textureSize(uDepth, 0);
     uint thread = gl_LocalInvocationIndex;
     clearReceiverBox();
     float depth = all(lessThan(pixel, size)) ? texelFetch(uDepth, pixel, 0).r : 0.0;
@@ -61,10 +66,12 @@ void main() {
         barrier();
         for (uint k = 0u; k < sCount && asks; ++k) {
             Caster c = casters[sList[k]];
-            if (!inVolume(c, casterTypes[c.type], p)) continue;
+            CasterType type = casterTypes[c.type];
+            type.half_.xyz -= type.pad;
+            if (!inVolume(c, type, p)) continue;
             bool both = MODE != 0 && c.weight > 0.0;
-            if (both || c.weight < 0.5) ask(c.firstMap, c, metres);
-            if (both || c.weight >= 0.5) ask(c.secondMap, c, metres);
+            if (both || c.weight < 0.5) ask(c.firstMap, c, metres, c.turn);
+            if (both || c.weight >= 0.5) ask(c.secondMap, c, metres, c.secondTurn);
         }
         barrier();
     }

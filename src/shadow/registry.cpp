@@ -61,6 +61,7 @@ const std::vector<Axis> kAxes{
     {"resolution", "texels along a side of an instanced map",
      {{"fixed", "size, for every map"},
       {"estimate", "the power of two between 16 and size that the map is asked for, measured on the receivers in sight"}}},
+    {"exact-casters", "closed casters of at most so many triangles cast stencil shadow volumes, the others instanced maps", {}, 0, 1000000},
 };
 
 Settings mapPreset(const char* fit, const char* split, const char* cascades, const char* size) {
@@ -69,7 +70,7 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 }
 
 Settings instancedPreset(const char* own) {
-    return {{"size", "512"}, {"resolution", "fixed"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+    return {{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
             {"cull", "frustum"}, {"update", "cached"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}};
 }
 
@@ -179,6 +180,8 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
+        if (number("exact-casters") > 0 && !volumes) return "exact casters darken an image that volumes go on darkening: apply zpass, zfail or skip";
+        if (number("exact-casters") > 0 && is("accumulate", "stencil")) return "exact casters are counted in the stencil: accumulate min or multiply";
         if (is("resolution", "estimate") && (number("size") < 16 || !std::has_single_bit(unsigned(number("size")))))
             return "estimated sides are powers of two from 16 to size: size must be one";
         if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";

@@ -12,7 +12,8 @@ namespace {
 struct GpuCasterType {
     glm::vec4 centre, half;  ///< of the box; half.w: κ²
     glm::vec2 depth;         ///< nearest, 1 / range
-    uint32_t padding[2];
+    float pad;               ///< metres by which the box is larger than the object's
+    uint32_t unused;
 };
 static_assert(sizeof(GpuCasterType) == 48);
 
@@ -30,7 +31,7 @@ void CasterList::uploadTypes() {
         const glm::vec3 half = type.box.halfSize();
         const glm::vec2 reach = glm::max(glm::abs(glm::vec2(type.box.lo)), glm::abs(glm::vec2(type.box.hi)));
         const float kappa = std::max(reach.x, reach.y) / std::max(half.z, 1e-6f);
-        types.push_back({glm::vec4(type.box.centre(), 0), glm::vec4(half, kappa * kappa), {type.depthNear, 1 / (type.depthFar - type.depthNear)}, {}});
+        types.push_back({glm::vec4(type.box.centre(), 0), glm::vec4(half, kappa * kappa), {type.depthNear, 1 / (type.depthFar - type.depthNear)}, type.pad, 0});
     }
     typeBuffer_.update(types.size() * sizeof(GpuCasterType), types.data());
     std::vector<GpuCasterMap> maps;

@@ -12,6 +12,12 @@ namespace dapple::shadow {
 
 using gpuscene::Bucket;
 
+bool castsExactly(const scenegen::Scene& scene, const scenegen::Prototype& prototype, const Settings& settings) {
+    const auto limit = size_t(std::stoul(settings.at("exact-casters")));
+    return prototype.closed && prototype.triangles() <= limit &&
+           std::none_of(prototype.meshes.begin(), prototype.meshes.end(), [&](const scenegen::Mesh& mesh) { return scene.materials[mesh.material].alphaTested; });
+}
+
 CasterMaps::CasterMaps(const frame::Frame& frame, const Settings& settings)
     : frame_(frame), scene_(frame.scene()),
       // Cached maps must not depend on the view, so neither does their basis.
@@ -46,6 +52,8 @@ void CasterMaps::makeTypes(const Settings& settings) {
     const scenegen::Scene& scene = scene_.scene();
     const int rotations = std::stoi(settings.at("rotations"));
     std::vector<int> ofPrototype(scene.prototypes.size(), -1);
+    std::vector<bool> exact;
+    for (const scenegen::Prototype& prototype : scene.prototypes) exact.push_back(castsExactly(scene, prototype, settings));
     std::vector<CasterType> shared;
     std::vector<bool> turned;
     std::vector<uint32_t> casting;
@@ -53,7 +61,7 @@ void CasterMaps::makeTypes(const Settings& settings) {
         const scenegen::Instance& instance = scene.instances[i];
         const gpuscene::GpuPrototype& prototype = scene_.prototypes()[instance.prototype];
         typeOf_.push_back(-1);
-        if (!prototype.castsShadow || prototype.triangles == 0) continue;
+        if (!prototype.castsShadow || prototype.triangles == 0 || exact[instance.prototype]) continue;
         casting.push_back(i);
         int& known = ofPrototype[instance.prototype];
         if (known < 0) {
@@ -143,8 +151,9 @@ void CasterMaps::fit(CasterType& type) {
         rotated_.data[map] = {glm::vec3(0), 1, {float(c), float(s)}};
     }
     // Receivers within the kernel's reach of a shadow's edge need the volume too.
-    type.box.lo -= float(pad_ * texel);
-    type.box.hi += float(pad_ * texel);
+    type.pad = float(pad_ * texel);
+    type.box.lo -= type.pad;
+    type.box.hi += type.pad;
     type.depthNear -= texel;
     type.depthFar += texel;
 }

@@ -10,12 +10,17 @@
 
 namespace dapple::shadow {
 
+/// Whether a caster's shadow is left to stencil volumes: closed, without alpha test, and within the limit of triangles that
+/// axis `exact-casters` sets.
+bool castsExactly(const scenegen::Scene& scene, const scenegen::Prototype& prototype, const Settings& settings);
+
 /// What shares maps: a prototype that casts, or one instance that has a map of its own.
 struct CasterType {
     uint32_t prototype = 0;
     int firstMap = 0;            ///< its maps are numbered from here on
     std::vector<double> angles;  ///< radians about the vertical at which the maps show it: 2πk/N, or the one that all its instances have
     base::Box box;               ///< prototype space, padded by the kernel's reach
+    float pad = 0;               ///< of it, metres
     double depthNear = 0, depthFar = 0;  ///< metres along the light from its origin, common to its maps
 };
 
@@ -37,11 +42,12 @@ public:
     int version() const { return version_; }
 
     std::span<const CasterType> types() const { return types_; }
-    /// Index into types(); -1 for an instance that casts no shadow.
+    /// Index into types(); -1 for an instance that casts none, or exactly.
     int typeOf(uint32_t instance) const { return typeOf_[instance]; }
     const LightBasis& basis() const { return basis_; }
     const MapAtlas& atlas() const { return atlas_; }
     const std::vector<glm::vec4>& windows() const { return windows_; }  ///< by map: centre u, v, 1/half u, 1/half v
+    double padTexels() const { return pad_; }                           ///< about each object in its map
     const std::vector<int>& sides() const { return sides_; }            ///< by map: texels
     /// Gives the maps other sides. Those that change are due.
     void resize(const std::vector<int>& sides);

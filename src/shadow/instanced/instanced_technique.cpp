@@ -6,6 +6,7 @@
 #include "shadow/instanced/resolution.h"
 #include "shadow/instanced/volume.h"
 #include "shadow/lit_start.h"
+#include "shadow/volume/silhouette_volumes.h"
 
 #include <fmt/format.h>
 
@@ -20,15 +21,18 @@ class InstancedTechnique final : public Technique {
 public:
     InstancedTechnique(frame::Frame& frame, const Settings& settings)
         : frame_(frame), settings_(settings), maps_(frame, settings), casters_(frame, maps_),
-          start_(frame, is("accumulate", "stencil") ? LitStart::Depth::withStencil : LitStart::Depth::readable) {
+          ownDepth_(is("accumulate", "stencil") || !is("exact-casters", "0")), start_(frame, ownDepth_ ? LitStart::Depth::withStencil : LitStart::Depth::readable) {
         makePrograms();
+        if (!is("exact-casters", "0"))
+            exact_.emplace(frame, [this](const scenegen::Prototype& p) { return castsExactly(frame_.scene().scene(), p, settings_); },
+                           SilhouetteVolumes::Count::stencil, true, start_.depth());
         const gl::Texture* visibility[] = {&frame_.visibility()};
-        volumeTarget_ = gl::makeFramebuffer(visibility, is("accumulate", "stencil") ? &start_.depth() : &frame_.depth());
+        volumeTarget_ = gl::makeFramebuffer(visibility, ownDepth_ ? &start_.depth() : &frame_.depth());
         if (maps_.types().empty()) return;
         measure::Ledger ignored;
         if (is("resolution", "estimate")) {
             chooser_.emplace(std::stoi(settings.at("size")));
-            demand_.emplace(frame, lookUpDefines());
+            demand_.emplace(frame, lookUpDefines(), std::stoi(settings.at("size")));
             // The first frame has sizes that were measured, too; this is not yet a frame and may wait.
             frame::PassObserver silent;
             const std::vector<frame::Pass> gbuffer{frame_.gbufferPass()};
@@ -46,7 +50,8 @@ public:
         using measure::Ledger;
         maps_.choose();
         std::string mapsLeftOut, leftOut;
-        if (maps_.types().empty()) mapsLeftOut = leftOut = "the scene has no caster";
+        const bool exact = exact_ && !exact_->empty();
+        if (maps_.types().empty()) mapsLeftOut = leftOut = exact ? "every caster casts exactly" : "the scene has no caster";
         else if (is("update", "cached") && !maps_.due() && !chooser_) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes;
         if (maps_.windows().size() == maps_.types().size() && !is("rotations", "1"))
@@ -67,6 +72,13 @@ public:
         } else {
             passes.push_back({"begin", {"gbuffer", "depth"}, {"visibility", "depth-copy"}, "lit where the surface faces the sun; depth to read", "",
                               [this](Ledger& tally) { start_.record(tally); }});
+            if (exact_) {
+                const std::string none = exact ? "" : "no caster is closed and has so few triangles";
+                passes.push_back({"exact.count", {"depth-copy"}, {"count"}, "shadow volumes of the exact casters that begin and end behind each pixel", none,
+                                  [this](Ledger& tally) { exact_->count(tally); }});
+                passes.push_back({"exact.dark", {"visibility", "count"}, {"visibility"}, "dark where one of them holds the pixel", none,
+                                  [this](Ledger& tally) { exact_->darken(tally); }});
+            }
             if (masked())
                 passes.push_back({"mask", {"gbuffer", "depth"}, {"survivors"}, "which instances' shadow volumes meet a visible receiver", leftOut,
                                   [this](Ledger& tally) { mask(tally); }});
@@ -103,6 +115,7 @@ private:
         glBlendFunc(GL_ONE, GL_ONE);
         measure::Ledger ignored;
         if (!maps_.types().empty()) submitVolumes(program, ignored);
+        if (exact_ && &program == &count_) exact_->addOverdraw();
         gl::resetState();
         return true;
     }
@@ -157,7 +170,10 @@ private:
 
     void estimate(measure::Ledger& tally) {
         casters_.collect();
-        demand_->record(maps_.windows().size(), [this](const gl::Program& program) { bind(program); }, tally);
+        demand_->record(maps_.windows().size(), [this](const gl::Program& program) {
+            program.set("uPadTexels", float(maps_.padTexels()));
+            bind(program);
+        }, tally);
     }
 
     void resolveTiles(measure::Ledger& tally) {
@@ -227,7 +243,7 @@ private:
         glEnable(GL_DEPTH_CLAMP);
         glEnable(GL_CULL_FACE);
         bind(program);
-        if (!is("accumulate", "stencil")) glBindTextureUnit(2, start_.depth().name());
+        if (!ownDepth_) glBindTextureUnit(2, start_.depth().name());
         program.set("uExtrusion", float(casters_.extrusion().most));
         program.set("uFloor", float(casters_.extrusion().floor));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, corners_.name());
@@ -259,7 +275,9 @@ private:
     CasterList casters_;
     std::optional<SizeChooser> chooser_;      ///< with `resolution` estimate
     std::optional<DemandEstimate> demand_;
+    bool ownDepth_;  ///< volumes are tested against a copy that has a stencil, and read the frame's
     LitStart start_;
+    std::optional<SilhouetteVolumes> exact_;  ///< with `exact-casters`
     gl::Framebuffer volumeTarget_;
     gl::Sampler sampler_;
     gl::VertexArray array_;

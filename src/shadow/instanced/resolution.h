@@ -1,31 +1,32 @@
 #pragma once
 
-#include "shadow/instanced/caster_list.h"
+#include "frame/frame.h"
 
 #include <array>
+#include <functional>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace dapple::shadow {
 
-/// How many receivers (of a sixteenth of the pixels) want how many texels a side of one map.
-struct Demand {
-    static constexpr int kBins = 24, kBinsPerOctave = 2, kLeast = 16;
-    /// Bin b counts wishes in [16 · 2^(b/2), 16 · 2^((b+1)/2)); the first also less, the last also more.
-    std::array<uint32_t, kBins> receivers{};
-};
-
-/// Chooses sides of maps by what is asked of them: powers of two, with hysteresis. A map grows at once, and shrinks only
-/// after kPatience measurements that would all have been served by half its side.
+/// Chooses sides of maps by what is asked of them: powers of two from 16 up, with hysteresis. A map grows at once, and
+/// shrinks only after kPatience measurements in a row that half its side would have served.
 class SizeChooser {
 public:
-    static constexpr int kPatience = 30;
-    /// `most`: a power of two, at least Demand::kLeast.
+    static constexpr int kLeast = 16, kPatience = 30;
+    /// `most`: a power of two, at least kLeast.
     explicit SizeChooser(int most) : most_(most) {}
-    /// New sides, parallel to `demands`; maps that are new start at what they are asked for.
-    const std::vector<int>& update(std::span<const Demand> demands);
-    const std::vector<int>& sides() const { return sides_; }
-    /// The side that serves all but a share of the receivers, without hysteresis.
-    static int wanted(const Demand& demand, int most);
+    /// `demands`, by map: sum, over the receivers (pixels) that look it up, of the texels a side that each needs for one texel
+    /// per pixel. Maps seen for the first time start at what they want.
+    const std::vector<int>& update(std::span<const double> demands);
+
+    /// The side without hysteresis, ∛demand to the nearest power of two. When a map of side s serves receivers that ask for w
+    /// with texels of w / s pixels, what the shadows' edges are off by is in proportion to Σ w / s; for a given number of
+    /// texels Σ s² over all maps, that is least where s³ is in proportion to Σ w. The factor is 1, so that a map of w² texels
+    /// that w² pixels look up, each for a texel of its own, has the side w that they ask for; one that few look up has less.
+    static int wanted(double demand, int most);
 
 private:
     /// Measurements in a row that asked for at most half a side, and the most that they asked for.
@@ -37,18 +38,19 @@ private:
     std::vector<Wait> waits_;
 };
 
-/// Measures, on the GPU, the texels that each map is asked for in the frame's present view. Results come back some frames
-/// later; nothing waits for them.
+/// Measures the demand of maps on the GPU, in the frame's present view. Results come back some frames later; nothing waits
+/// for them.
 class DemandEstimate {
 public:
-    /// `defines`: those of the technique's look-up.
-    DemandEstimate(const frame::Frame& frame, const std::vector<std::string>& defines);
+    /// `defines`: those of the technique's look-up. `most`: texels a side that a map may have.
+    DemandEstimate(const frame::Frame& frame, std::vector<std::string> defines, int most);
     DemandEstimate(const DemandEstimate&) = delete;
     ~DemandEstimate();
-    /// Dispatches a measurement of `maps` maps. `bind` binds what a look-up reads and uses the program.
+    /// Dispatches a measurement of `maps` maps, unless three are under way. `bind` binds what a look-up reads.
     void record(size_t maps, const std::function<void(const gl::Program&)>& bind, measure::Ledger& tally);
-    /// The latest result that has arrived since the last call, if any. `wait`: for all that are under way.
-    std::optional<std::vector<Demand>> result(bool wait = false);
+    /// The latest demands that have arrived since the last call, by map (see SizeChooser::update), if any. `wait`: for those
+    /// under way.
+    std::optional<std::vector<double>> result(bool wait = false);
 
 private:
     struct Slot {
@@ -57,9 +59,10 @@ private:
         size_t maps = 0;
     };
     const frame::Frame& frame_;
+    int most_;
     gl::Program program_;
     std::array<Slot, 3> slots_;
-    size_t next_ = 0;
+    size_t next_ = 0;  ///< slot, and the oldest under way
 };
 
 }  // namespace dapple::shadow
