@@ -37,6 +37,7 @@ public:
             frame::PassObserver silent;
             const std::vector<frame::Pass> gbuffer{frame_.gbufferPass()};
             frame::execute(gbuffer, silent);
+            glFinish();  // llvmpipe's compute threads do not wait for the triangles before them
             estimate(ignored);
             maps_.resize(chooser_->update(*demand_->result(true)));
         }
