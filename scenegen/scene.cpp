@@ -175,6 +175,7 @@ size_t Scene::viewIndex(const std::string& viewName) const {
 }
 
 void dropBadInstances(Scene& scene) {
+    constexpr float kFarthest = 1e9f;
     std::vector<base::Box> boxes;
     for (const Prototype& prototype : scene.prototypes) boxes.push_back(prototype.box());
     const auto reasonOf = [&](const Instance& i) -> std::string {
@@ -182,7 +183,9 @@ void dropBadInstances(Scene& scene) {
         if (i.scale <= 0) return fmt::format("its scale is {}, not above 0", i.scale);
         if (i.prototype >= boxes.size() || boxes[i.prototype].empty()) return {};  // validate() has a say; or there is nothing
         const base::Box box = instanceBox(boxes[i.prototype], i);
-        return base::allFinite(box.lo) && base::allFinite(box.hi) ? "" : "its box is not finite";
+        // NaN is not less, either. Squares and cubes of such lengths are still floats.
+        const auto reaches = [](const glm::vec3& p) { return glm::all(glm::lessThan(glm::abs(p), glm::vec3(kFarthest))); };
+        return reaches(box.lo) && reaches(box.hi) ? "" : fmt::format("its box reaches beyond {:g} m", kFarthest);
     };
     constexpr uint32_t kGone = ~0u;
     std::vector<uint32_t> now;  // index of what was instance i

@@ -148,7 +148,7 @@ struct Scene {
 /// Box of an instance, metres from Scene::origin: the eight corners of the prototype's box, transformed.
 base::Box instanceBox(const base::Box& prototypeBox, const Instance& instance);
 
-/// Removes the instances that can stand nowhere (a transform or a box that is not finite, a scale that is not above 0), with
+/// Removes the instances that can stand nowhere (a transform that is not finite, a scale that is not above 0, a box beyond 1e9 m), with
 /// their motions, and appends a line for each to Scene::dropped. What is left is as if they had never been there.
 void dropBadInstances(Scene& scene);
 

@@ -67,7 +67,7 @@ void main() {
         for (uint k = 0u; k < sCount && asks; ++k) {
             Caster c = casters[sList[k]];
             CasterType type = casterTypes[c.type];
-            type.half_.xyz -= type.pad;
+            type.half_.xyz += 1e-3 * length(type.half_.xyz - type.pad) - type.pad;  // a little more: its own faces are on the box
             if (!inVolume(c, type, p)) continue;
             bool both = MODE != 0 && c.weight > 0.0;
             if (both || c.weight < 0.5) ask(c.firstMap, c, metres, c.turn);

@@ -104,6 +104,13 @@ Framebuffer makeFramebuffer(std::span<const Texture* const> colours, const Textu
     return framebuffer;
 }
 
+void finishTriangles() {
+    const GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+    glWaitSync(fence, 0, GL_TIMEOUT_IGNORED);
+    glDeleteSync(fence);
+}
+
 void resetState() {
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glUseProgram(0);

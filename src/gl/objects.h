@@ -92,6 +92,10 @@ Framebuffer makeFramebuffer(std::span<const Texture* const> colours, const Textu
 
 size_t bytesPerTexel(GLenum internalFormat);
 
+/// Before a compute shader reads what triangles have drawn. GL orders the two by itself, and a server that does has nothing to
+/// wait for; llvmpipe (Mesa 22.3) starts the shader while its threads still rasterise.
+void finishTriangles();
+
 /// The GL state that every pass starts from and leaves behind; applied by the executor around each pass.
 void resetState();
 

@@ -32,6 +32,7 @@ double bruteForce(const frame::Frame& frame, const CasterMaps& maps, const base:
     base::DBox onLight;
     for (int corner = 0; corner < 8; ++corner) onLight.extend(maps.basis().toLight(glm::dvec3(box.corner(corner))));
     const glm::dvec3 extent = 2.0 * onLight.halfSize() * double(instance.scale);
+    const double grown = 1e-3 * glm::length(glm::dvec3(box.halfSize()));
     double sum = 0;
     for (int y = 2; y < camera.height; y += 4)
         for (int x = 2; x < camera.width; x += 4) {
@@ -41,7 +42,7 @@ double bruteForce(const frame::Frame& frame, const CasterMaps& maps, const base:
             const glm::dvec3 q = (p - (glm::dvec3(instance.translation) - camera.eye)) / double(instance.scale);
             double enter = 0, leave = 1e300;
             for (int k = 0; k < 3; ++k) {
-                const double a = (q[k] - double(box.lo[k])) / frame.light()[k], b = (q[k] - double(box.hi[k])) / frame.light()[k];
+                const double a = (q[k] - double(box.lo[k]) + grown) / frame.light()[k], b = (q[k] - double(box.hi[k]) - grown) / frame.light()[k];
                 enter = std::max(enter, std::min(a, b));
                 leave = std::min(leave, std::max(a, b));
             }

@@ -37,7 +37,6 @@ public:
             frame::PassObserver silent;
             const std::vector<frame::Pass> gbuffer{frame_.gbufferPass()};
             frame::execute(gbuffer, silent);
-            glFinish();  // llvmpipe's compute threads do not wait for the triangles before them
             estimate(ignored);
             maps_.resize(chooser_->update(*demand_->result(true)));
         }
@@ -170,6 +169,7 @@ private:
     }
 
     void estimate(measure::Ledger& tally) {
+        gl::finishTriangles();
         casters_.collect();
         demand_->record(maps_.windows().size(), [this](const gl::Program& program) {
             program.set("uPadTexels", float(maps_.padTexels()));
@@ -178,6 +178,7 @@ private:
     }
 
     void resolveTiles(measure::Ledger& tally) {
+        gl::finishTriangles();
         const auto& camera = frame_.camera();
         casters_.collect();
         bind(resolve_);
@@ -197,6 +198,7 @@ private:
     }
 
     void mask(measure::Ledger& tally) {
+        gl::finishTriangles();
         const auto& camera = frame_.camera();
         casters_.collect();
         const auto across = GLuint(camera.width + kReceiverTile - 1) / kReceiverTile, down = GLuint(camera.height + kReceiverTile - 1) / kReceiverTile;
