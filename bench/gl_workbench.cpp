@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace dapple::bench {
 namespace {
@@ -108,8 +109,11 @@ public:
         figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
         if (renderer_.hasVisibility()) appendOverdraw(figures);
-        if (const auto volumes = renderer_.candidates())
-            figures.push_back(figure("", "candidates", double(std::count_if(volumes->texels.begin(), volumes->texels.end(), [](float n) { return n > 0; }))));
+        if (const auto volumes = renderer_.candidates()) {
+            const std::vector<float>& n = volumes->texels;
+            figures.push_back(figure("", "candidates", double(std::count_if(n.begin(), n.end(), [](float v) { return v > 0; }))));
+            figures.push_back(figure("", "candidates_mean", std::accumulate(n.begin(), n.end(), 0.0) / double(n.size())));
+        }
         return figures;
     }
 

@@ -42,6 +42,7 @@ constexpr std::array kMetrics{
     MetricInfo{"overdraw_9-16", "pixels", none, true, "pixels with 9 to 16 fragments"},
     MetricInfo{"overdraw_>16", "pixels", none, true, "pixels with more than 16 fragments"},
     MetricInfo{"candidates", "pixels", lower, true, "pixels whose receiver lies in at least one caster's shadow volume"},
+    MetricInfo{"candidates_mean", "look-ups/pixel", lower, true, "casters' shadow volumes that hold a pixel's receiver: the least that volumes can shade"},
     // image error against the ray-traced reference, shares of the valid pixels
     MetricInfo{"error", "", lower, true, "false_shadow + false_light"},
     MetricInfo{"false_shadow", "", lower, true, "dark where the reference is lit"},
