@@ -1,6 +1,7 @@
 #include "shadow/instanced/caster_maps.h"
 
 #include "shadow/families.h"
+#include "shadow/instanced/resolution.h"
 
 #include <fmt/format.h>
 
@@ -21,7 +22,7 @@ bool castsExactly(const scenegen::Scene& scene, const scenegen::Prototype& proto
 CasterMaps::CasterMaps(const frame::Frame& frame, const Settings& settings)
     : frame_(frame), scene_(frame.scene()),
       // Cached maps must not depend on the view, so neither does their basis.
-      basis_(lightBasis(frame.light(), {0, 0, 1})), size_(std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
+      basis_(lightBasis(frame.light(), {0, 0, 1})), size_(settings.at("resolution") == "estimate" ? SizeChooser::kLeast : std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
     makeTypes(settings);
     if (types_.empty()) return;
     atlas_.arrange(sides_, due_);

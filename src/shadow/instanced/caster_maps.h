@@ -65,7 +65,7 @@ private:
     const frame::Frame& frame_;
     const gpuscene::GpuScene& scene_;
     LightBasis basis_;
-    int size_;    ///< the largest side
+    int size_;    ///< side at first, texels: the axis `size`, or the least until more is asked for
     double pad_;  ///< texels about an object's window
     std::vector<CasterType> types_;
     std::vector<int> sharedTypeOf_;  ///< without own maps
