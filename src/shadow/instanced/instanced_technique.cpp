@@ -114,8 +114,8 @@ private:
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         measure::Ledger ignored;
+        if (exact_ && &program == &count_) exact_->addOverdraw();  // first: without the depth test of the others
         if (!maps_.types().empty()) submitVolumes(program, ignored);
-        if (exact_ && &program == &count_) exact_->addOverdraw();
         gl::resetState();
         return true;
     }
