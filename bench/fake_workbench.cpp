@@ -80,7 +80,7 @@ public:
     SceneFacts sceneFacts(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) override {
         scenegen::Scene scene = scenegen::loadScene(name, settings);
         if (!stress.empty()) stressCase(stress).apply(scene);
-        SceneFacts facts{scene.facts(), scene.contentHash(), {}};
+        SceneFacts facts{scene.facts(), scene.contentHash(), {}, scene.sun};
         for (const scenegen::View& view : scene.views) facts.views.push_back(view.name);
         return facts;
     }

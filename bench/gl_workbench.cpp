@@ -46,7 +46,7 @@ private:
 
 class CountedPasses final : public frame::PassObserver {
 public:
-    void beginPass(const frame::Pass& pass) override { counters_.begin(pass.name); }
+    void beginPass(const frame::Pass& pass) override { counters_.begin(pass.name, pass.asksOcclusion); }
     void endPass(const frame::Pass&, const measure::Ledger& ledger) override {
         counters_.end();
         ledgers.push_back(ledger);
@@ -62,15 +62,26 @@ class GlPoint final : public OpenPoint {
 public:
     GlPoint(std::shared_ptr<SharedFrame> shared, measure::Timer& timer, const PointSpec& spec)
         : shared_(std::move(shared)), timer_(timer), freeBefore_(measure::driverFreeBytes()),
-          renderer_(shared_->frame, shadow::technique(spec.technique), spec.settings), passNames_(frame::runningPasses(renderer_.passes())) {
+          renderer_(shared_->frame, shadow::technique(spec.technique), spec.settings), passNames_(frame::runningPasses(renderer_.passes())), path_(spec.path) {
         gl::checkErrors(("making technique " + spec.technique).c_str());
         driverBytes_ = measure::driverFreeBytes();
         if (driverBytes_) driverBytes_ = *freeBefore_ - std::min(*driverBytes_, *freeBefore_);
+        if (!path_) return;
+        // Passes that only a sun that has moved makes necessary are passes of every frame.
+        moveTo(1);
+        renderer_.replan();
+        passNames_ = frame::runningPasses(renderer_.passes());
     }
 
     const std::vector<std::string>& passNames() const override { return passNames_; }
 
+    void beginBlocks() override {
+        submitted_ = 0;
+        if (path_) restart();
+    }
+
     void submitFrame(bool perPass) override {
+        if (path_) moveTo(path_->frameOf(submitted_++));
         TimedPasses observer(timer_);
         timer_.beginFrame(perPass);
         renderer_.render(observer);
@@ -84,6 +95,87 @@ public:
     }
 
     std::vector<Figure> counters() override {
+        if (!path_) return countersOfFrame(true);
+        return overPath([&](int frame) { return countersOfFrame(frame == path_->frames - 1); });
+    }
+
+    std::vector<Figure> errors() override {
+        if (!renderer_.hasVisibility()) return {};
+        if (!path_) return errorsOfFrame();
+        std::vector<float> before;
+        const truth::Reference* referenceBefore = nullptr;
+        return overPath([&](int frame) {
+            if (frame == 1) {
+                before = renderer_.visibility();
+                moveTo(0);
+                referenceBefore = &shared_->reference();
+                moveTo(1);
+            }
+            std::vector<Figure> figures = errorsOfFrame();
+            std::vector<float> now = renderer_.visibility();
+            const truth::Reference& reference = shared_->reference();
+            const truth::Flips flips = truth::measureFlips(*referenceBefore, reference, before, now);
+            figures.push_back(figure("", "flips", flips.image));
+            figures.push_back(figure("", "reference_flips", flips.reference));
+            figures.push_back(figure("", "excess_flips", flips.excess()));
+            const auto staleness = renderer_.technique() ? renderer_.technique()->staleness() : std::nullopt;
+            if (staleness) {
+                figures.push_back(figure("", "map_age_mean", staleness->meanFrames));
+                figures.push_back(figure("", "map_age_worst", staleness->worstFrames));
+                figures.push_back(figure("", "map_lag_mean", staleness->meanDegrees));
+                figures.push_back(figure("", "map_lag_worst", staleness->worstDegrees));
+            }
+            before = std::move(now);
+            referenceBefore = &reference;
+            return figures;
+        });
+    }
+
+    std::vector<PassNote> leftOut() const override {
+        std::vector<PassNote> notes;
+        for (const std::string& dropped : shared_->loaded->scene.dropped) notes.push_back({"scene", dropped});
+        for (const frame::Pass& pass : renderer_.passes())
+            if (!pass.leftOut.empty()) notes.push_back({pass.name, pass.leftOut});
+        return notes;
+    }
+    std::string fallback() const override { return renderer_.fallback(); }
+
+private:
+    void moveTo(int frame) { shared_->moveTo(*path_, frame); }
+
+    /// To the path's beginning, with nothing late.
+    void restart() {
+        moveTo(0);
+        renderer_.refresh();
+    }
+
+    /// Means of what `figuresOf` gives in frames 1, 2 … of the path, after a frame 0; one that any frame misses is missing.
+    template <class Figures>
+    std::vector<Figure> overPath(const Figures& figuresOf) {
+        restart();
+        frame::PassObserver silent;
+        renderer_.render(silent);
+        std::vector<Figure> figures;
+        std::map<std::pair<std::string, std::string>, std::pair<size_t, std::vector<double>>> series;  // by pass and metric
+        for (int frame = 1; frame < path_->frames; ++frame) {
+            moveTo(frame);
+            for (Figure& f : figuresOf(frame)) {
+                const auto [entry, isNew] = series.try_emplace({f.pass, f.metric}, figures.size(), std::vector<double>{});
+                if (f.value) entry->second.second.push_back(*f.value);
+                if (isNew) figures.push_back(std::move(f));
+            }
+        }
+        for (auto& [key, found] : series) {
+            auto& [index, values] = found;
+            if (values.empty()) continue;
+            figures[index].value = std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+            if (values.size() > 1) figures[index].spread = measure::summarise(std::span(&values, 1), 0);
+        }
+        return figures;
+    }
+
+    /// `all`: with those that take frames of their own.
+    std::vector<Figure> countersOfFrame(bool all) {
         CountedPasses observer;
         renderer_.render(observer);
         const std::vector<measure::PassCounters> passes = observer.results();
@@ -102,12 +194,14 @@ public:
         }
         for (const auto& [metric, sum] : totals) figures.push_back(figure("", metric, sum));
         appendLedger(figures, "", total);
+        figures.push_back(figure("", "texels_in_use", renderer_.technique() ? double(renderer_.technique()->texelsInUse()) : 0));
+        if (!all) return figures;
         const gl::Texture* map = renderer_.technique() ? renderer_.technique()->map() : nullptr;
         const double texels = map ? double(map->width()) * map->height() * std::max(map->layers(), 1) : 0;
         figures.push_back(figure("", "texels_allocated", texels));
-        figures.push_back(figure("", "texels_in_use", renderer_.technique() ? double(renderer_.technique()->texelsInUse()) : 0));
         figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
+        appendCasters(figures);
         if (renderer_.hasVisibility()) appendOverdraw(figures);
         if (const auto volumes = renderer_.candidates()) {
             const std::vector<float>& n = volumes->texels;
@@ -117,8 +211,7 @@ public:
         return figures;
     }
 
-    std::vector<Figure> errors() override {
-        if (!renderer_.hasVisibility()) return {};
+    std::vector<Figure> errorsOfFrame() {
         const truth::Reference& reference = shared_->reference();
         frame::PassObserver silent;
         renderer_.render(silent);
@@ -146,20 +239,24 @@ public:
         return figures;
     }
 
-    std::vector<PassNote> leftOut() const override {
-        std::vector<PassNote> notes;
-        for (const std::string& dropped : shared_->loaded->scene.dropped) notes.push_back({"scene", dropped});
-        for (const frame::Pass& pass : renderer_.passes())
-            if (!pass.leftOut.empty()) notes.push_back({pass.name, pass.leftOut});
-        return notes;
-    }
-    std::string fallback() const override { return renderer_.fallback(); }
-
-private:
     static void appendLedger(std::vector<Figure>& figures, std::string_view pass, const measure::Ledger& ledger) {
         figures.push_back(figure(pass, "draw_calls", double(ledger.drawCalls)));
         figures.push_back(figure(pass, "triangles_submitted", double(ledger.trianglesSubmitted)));
         figures.push_back(figure(pass, "texels_written", double(ledger.texelsWritten)));
+    }
+
+    void appendCasters(std::vector<Figure>& figures) {
+        const auto drawn = renderer_.technique() ? renderer_.technique()->castersDrawn() : std::nullopt;
+        if (!drawn) return;
+        const std::vector<uint32_t>& contributing = shared_->contributors();
+        const scenegen::Scene& scene = shared_->loaded->scene;
+        double triangles = 0;
+        for (const uint32_t i : contributing) triangles += double(scene.prototypes[scene.instances[i].prototype].triangles());
+        figures.push_back(figure("", "casters_drawn", double(drawn->instances)));
+        figures.push_back(figure("", "caster_triangles_drawn", double(drawn->triangles)));
+        figures.push_back(figure("", "casters_contributing", double(contributing.size())));
+        figures.push_back(figure("", "caster_triangles_contributing", triangles));
+        if (!contributing.empty()) figures.push_back(figure("", "casters_efficiency", double(drawn->instances) / double(contributing.size())));
     }
 
     void appendOverdraw(std::vector<Figure>& figures) {
@@ -175,24 +272,45 @@ private:
     std::optional<uint64_t> freeBefore_, driverBytes_;
     shadow::Renderer renderer_;
     std::vector<std::string> passNames_;
+    std::optional<SunPath> path_;
+    long submitted_ = 0;  ///< timed frames
 };
 
 }  // namespace
 
-const truth::Reference& SharedFrame::reference() {
-    if (traced) return *traced;
+void SharedFrame::moveTo(const SunPath& path, int frameOfPath) {
+    frame.setSun(path.at(loaded->scene.sun, frameOfPath));
+    pathFrame = frameOfPath;
+}
+
+truth::Receivers SharedFrame::receivers() {
     frame::PassObserver silent;
     const std::vector<frame::Pass> gbuffer{frame.gbufferPass()};
     frame::execute(gbuffer, silent);
-    const truth::Receivers receivers = frame.readReceivers();
+    if (!loaded->tracer) loaded->tracer.emplace(loaded->scene);
+    return frame.readReceivers();
+}
+
+const std::vector<uint32_t>& SharedFrame::contributors() {
+    const auto [known, made] = contributing.try_emplace(pathFrame);
+    if (made) {
+        const truth::Receivers seen = receivers();
+        known->second = loaded->tracer->contributors(seen, frame.camera().eye, frame.light());
+    }
+    return known->second;
+}
+
+const truth::Reference& SharedFrame::reference() {
+    if (const auto known = traced.find(pathFrame); known != traced.end()) return known->second;
+    const truth::Receivers seen = receivers();
+    truth::Reference reference;
     if (!frame.sunUp()) {
         // No direct light at all: nothing that a technique could get right or wrong.
-        traced = truth::Reference{receivers.width, receivers.height, std::vector<truth::Label>(receivers.present.size(), truth::Label::excluded)};
-        return *traced;
+        reference = {seen.width, seen.height, std::vector<truth::Label>(seen.present.size(), truth::Label::excluded), {}};
+    } else {
+        reference = truth::cachedReference(*loaded->tracer, loaded->hash, seen, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
     }
-    if (!loaded->tracer) loaded->tracer.emplace(loaded->scene);
-    traced = truth::cachedReference(*loaded->tracer, loaded->hash, receivers, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
-    return *traced;
+    return traced.emplace(pathFrame, std::move(reference)).first->second;
 }
 
 GlWorkbench::GlWorkbench(int device, const std::string& backend)
@@ -223,7 +341,7 @@ std::shared_ptr<LoadedScene> GlWorkbench::load(const std::string& name, const st
 
 SceneFacts GlWorkbench::sceneFacts(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) {
     const auto loaded = load(name, settings, stress);
-    SceneFacts facts{loaded->gpu.facts(), loaded->hash, {}};
+    SceneFacts facts{loaded->gpu.facts(), loaded->hash, {}, loaded->scene.sun};
     for (const scenegen::View& view : loaded->scene.views) facts.views.push_back(view.name);
     return facts;
 }
@@ -242,7 +360,9 @@ std::shared_ptr<SharedFrame> GlWorkbench::sharedFrame(const PointSpec& spec) {
 }
 
 std::unique_ptr<OpenPoint> GlWorkbench::open(const PointSpec& spec) {
-    return std::make_unique<GlPoint>(sharedFrame(spec), *timer_, spec);
+    auto shared = sharedFrame(spec);
+    if (spec.path) shared->moveTo(*spec.path, 0);
+    return std::make_unique<GlPoint>(std::move(shared), *timer_, spec);
 }
 
 std::string GlWorkbench::identityJson() {

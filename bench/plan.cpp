@@ -60,6 +60,11 @@ std::string pointId(const PointSpec& spec, uint64_t sceneHash) {
     hasher.text(spec.view);
     hasher.value(spec.width);
     hasher.value(spec.height);
+    if (spec.path) {
+        hasher.value(spec.path->azimuthPerFrame);
+        hasher.value(spec.path->elevationPerFrame);
+        hasher.value(spec.path->frames);
+    }
     return base::hex16(hasher.digest());
 }
 
@@ -112,7 +117,7 @@ uint64_t Plan::hash() const {
 }
 
 Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filter) {
-    Plan plan{sweep.name, sweep.sampling, {}, {}, sweep.plot};
+    Plan plan{sweep.name, sweep.sampling, {}, {}, sweep.plot, sweep.path};
     const std::vector<std::string> variants = sweep.variants.empty() ? std::vector<std::string>{""} : sweep.variants;
     const std::vector<std::string> stress = sweep.stress.empty() ? std::vector<std::string>{""} : sweep.stress;
     const shadow::Limits limits = workbench.limits();
@@ -124,10 +129,14 @@ Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filte
             for (const std::string& stressName : stress) {
                 const SceneFacts facts = workbench.sceneFacts(scene, sceneSettings, stressName);
                 plan.sceneHashes[scene + (variant.empty() ? "" : "[" + variant + "]") + (stressName.empty() ? "" : "/" + stressName)] = base::hex16(facts.contentHash);
+                if (sweep.path)
+                    for (const int end : {0, sweep.path->frames - 1})
+                        if (const double e = sweep.path->at(facts.sun, end).elevation; !(e > 0 && e < 90))
+                            throw base::UsageError(fmt::format("sweep '{}', [motion]: in frame {} the sun of scene '{}' is {} degrees high; its path must stay between 0 and 90", sweep.name, end, scene, e));
                 for (const std::string& view : viewsOf(sweep, scene, facts))
                     for (const TechniqueEntry& entry : sweep.entries)
                         for (const shadow::Settings& settings : expand(entry)) {
-                            PointSpec spec{scene, sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height, variant};
+                            PointSpec spec{scene, sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height, variant, sweep.path};
                             const std::string id = pointId(spec, facts.contentHash);
                             if (!filter.accepts(spec) || !ids.insert(id).second) continue;
                             const auto reason = shadow::pruneReason(shadow::technique(entry.technique), settings, facts.facts, limits);

@@ -12,7 +12,7 @@
 namespace dapple::bench {
 
 struct PlannedPoint {
-    std::string id;  ///< 16 hex digits: canonical axes, technique's version, scene's content, view, resolution
+    std::string id;  ///< 16 hex digits: canonical axes, technique's version, scene's content, view, resolution, the sun's path
     PointSpec spec;
     std::string prunedBecause;  ///< empty: the point runs
 };
@@ -28,6 +28,7 @@ struct Plan {
     std::vector<PlannedPoint> points;
     std::map<std::string, std::string> sceneHashes;  ///< "scene[variant]/stress", without what is empty → 16 hex digits
     PlotRequest plot;
+    std::optional<SunPath> path = {};
 
     std::vector<Comparison> comparisons() const;
     std::string csv() const;   ///< text of plan.csv
@@ -52,7 +53,7 @@ std::string pointId(const PointSpec& spec, uint64_t sceneHash);
 /// "uniform size=1024 filter=pcf3"
 std::string pointText(const PointSpec& spec);
 
-/// Throws UsageError: unknown scene or view, or nothing is left after the filter.
+/// Throws UsageError: unknown scene or view, a sun's path that meets the horizon or the zenith, or nothing is left after the filter.
 Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filter = {});
 
 }  // namespace dapple::bench

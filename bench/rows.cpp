@@ -39,8 +39,14 @@ public:
         Values v;
         v.flags = f.flags;
         if (f.value && std::isfinite(*f.value)) {
-            v.n = "1";
+            v.n = f.spread ? fmt::format("{}", f.spread->n) : "1";
             v.median = csvNumber(*f.value);
+            if (f.spread) {
+                v.q1 = csvNumber(f.spread->q1);
+                v.q3 = csvNumber(f.spread->q3);
+                v.min = csvNumber(f.spread->min);
+                v.max = csvNumber(f.spread->max);
+            }
         } else if (f.value) {
             v.flags += (v.flags.empty() ? "" : ";") + std::string(measure::flag::kNonfinite);
         }

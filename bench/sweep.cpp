@@ -66,6 +66,16 @@ TechniqueEntry readEntry(base::ConfigTable& table) {
     return entry;
 }
 
+SunPath readMotion(base::ConfigTable& table) {
+    SunPath path;
+    path.azimuthPerFrame = table.number("sun_azimuth_per_frame", 0, -90, 90);
+    path.elevationPerFrame = table.number("sun_elevation_per_frame", 0, -10, 10);
+    path.frames = static_cast<int>(table.integer("frames", 16, 2, 1000));
+    if (path.azimuthPerFrame == 0 && path.elevationPerFrame == 0) table.fail("frames", "a [motion] needs sun_azimuth_per_frame or sun_elevation_per_frame, degrees");
+    table.finish();
+    return path;
+}
+
 PlotRequest readPlot(base::ConfigTable& table, const Sweep& sweep) {
     PlotRequest plot{table.text("x"), table.text("y", "error"), table.text("columns", "")};
     located(table, "y", [&] { measure::metricInfo(plot.y); });
@@ -137,6 +147,7 @@ Sweep parseSweep(const std::string& toml, const std::string& fileName) {
         sweep.height = static_cast<int>(size[1]);
     }
     if (auto sampling = root.table("sampling")) sweep.sampling = readSampling(*sampling);
+    if (auto motion = root.table("motion")) sweep.path = readMotion(*motion);
     for (base::ConfigTable& table : root.tables("technique")) sweep.entries.push_back(readEntry(table));
     if (auto plot = root.table("plot")) sweep.plot = readPlot(*plot, sweep);
     root.finish();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "bench/sun_path.h"
+#include "measure/statistics.h"
 #include "measure/subject.h"
 #include "shadow/registry.h"
 
@@ -23,6 +25,7 @@ struct PointSpec {
     std::string view;                        ///< name of a view of the scene
     int width = 1024, height = 768;          ///< pixels
     std::string variant;                     ///< the sweep's name for those settings that set this point's scene apart
+    std::optional<SunPath> path = {};        ///< empty: the sun stands still
 };
 
 /// One figure about a point, not a time: a counter or an error metric.
@@ -33,6 +36,7 @@ struct Figure {
     std::string better;  ///< "lower", "higher" or "" (neither)
     std::optional<double> value;  ///< empty = missing
     std::string flags;
+    std::optional<measure::Summary> spread = {};  ///< over the frames that `value` is the mean of; empty: of one frame
 };
 
 struct PassNote {
@@ -54,6 +58,7 @@ struct SceneFacts {
     scenegen::Facts facts;
     uint64_t contentHash = 0;
     std::vector<std::string> views;
+    scenegen::Sun sun = {};
 };
 
 class Workbench {

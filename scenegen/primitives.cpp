@@ -83,6 +83,12 @@ glm::vec3 readAlbedo(base::ConfigTable& table, const glm::vec3& fallback) {
     return {a[0], a[1], a[2]};
 }
 
+float readTransmittance(base::ConfigTable& table) {
+    const double transmittance = table.number("transmittance", 0, 0, 1);
+    if (transmittance >= 1) table.fail("transmittance", "lies in 0 ≤ t < 1");
+    return float(transmittance);
+}
+
 void addPrimitive(Scene& scene, base::ConfigTable& t, uint64_t seed) {
     const auto vec3 = [&](const char* key) {
         const std::vector<double> v = t.numbers(key, 3);
@@ -104,12 +110,14 @@ void addPrimitive(Scene& scene, base::ConfigTable& t, uint64_t seed) {
     const auto copies = size_t(t.integer("copies", 1, 1, 100'000'000));
     const double scatter = t.number("scatter", 0, 0, 1e6);
     const bool turned = t.boolean("turned", false);
+    const float transmittance = readTransmittance(t);
     mesh.material = uint32_t(scene.materials.size());
     scene.materials.push_back({.name = kind, .albedo = readAlbedo(t, {0.6f, 0.55f, 0.5f}), .doubleSided = kind == "slivers"});
     t.finish();
 
     Prototype prototype{kind, {std::move(mesh)}, true, false};
     prototype.closed = isClosed(prototype);
+    prototype.transmittance = transmittance;
     scene.prototypes.push_back(std::move(prototype));
     for (size_t i = 0; i < copies; ++i) {
         base::Random random(seed, i, 0x636f7079);

@@ -17,6 +17,9 @@ Mesh sliverMesh(const glm::vec3& size, size_t count, uint64_t seed);
 /// The key `albedo` of a table: three numbers from 0 to 1; `fallback` if missing. Throws UsageError.
 glm::vec3 readAlbedo(base::ConfigTable& table, const glm::vec3& fallback);
 
+/// The key `transmittance` of a table, 0 ≤ t < 1; 0 if missing. Throws UsageError.
+float readTransmittance(base::ConfigTable& table);
+
 /// A [[primitive]] of a recipe with its instances. Throws UsageError with file, line and key.
 void addPrimitive(Scene& scene, base::ConfigTable& table, uint64_t seed);
 

@@ -42,6 +42,7 @@ struct SpeciesEntry {
     LeafMode leaves = LeafMode::polygon;
     int lod = 0;
     double keep = 1;
+    float transmittance = 0;
     Stand stand;  ///< its individuals come when they are grown
     std::optional<glm::dvec2> position;  ///< of its one tree, which is not scattered
 };
@@ -240,6 +241,7 @@ private:
                 if (!t.has("triangles")) e.triangles = e.species.triangles[size_t(e.lod)];
             }
             e.keep = t.number("keep", 1, 0.001, 1);
+            e.transmittance = readTransmittance(t);
             if (t.has("position")) {
                 const std::vector<double> p = t.numbers("position", 2);
                 e.position = {p[0], p[1]};
@@ -301,6 +303,7 @@ private:
             e.stand.individuals.push_back(uint32_t(scene_.prototypes.size()));
             e.stand.crownRadii.push_back(0.5 * double(half.x + half.y));
             prototype.moving = wind_.has_value();
+            prototype.transmittance = e.transmittance;
             scene_.prototypes.push_back(std::move(prototype));
         }
     }

@@ -26,11 +26,11 @@ namespace dapple::scenegen {
 ///     [[species]]   name, share, individuals, leaves = "polygon" | "card" | "solid", scale = [lo, hi],
 ///                   triangles (budget; solid leaves count as polygons), lod = 0 | 1 | 2 (sets the species' own budget),
 ///                   keep (share that decimation leaves), altitude = [lo, hi] (m) and slope (degrees) where it grows,
-///                   position = [x, y] (one tree, which is not scattered)
+///                   position = [x, y] (one tree, which is not scattered), transmittance (of its shadow, 0 ≤ t < 1)
 ///     [wind]        strength (0 … 1), direction (degrees clockwise from north, where it comes from); with it
 ///                   the trees of one individual stand alike, so that all bend the same way
 ///     [[primitive]] kind = "box" | "sphere" | "slab" | "slivers" (triangles without area), position (centre), size or
-///                   radius (sphere), albedo; copies, scatter (m to each side), turned (random yaw)
+///                   radius (sphere), albedo, transmittance (of its shadow, 0 ≤ t < 1); copies, scatter (m to each side), turned (random yaw)
 ///     [city]        style = "vienna" | "manhattan", trees (triangles each), traffic (moving cars per km of lane), night
 ///                   (lamps shine, the sun has set), views, fovY; or footprints = "FILE.geojson", projected, views, fovY
 ///     [courtyard]   bays (along the court, times scale), across, plants (triangles each), fovY

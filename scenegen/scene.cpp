@@ -106,6 +106,7 @@ Facts Scene::facts() const {
         if (p.castsShadow && p.triangles() > 0) {
             f.casters = true;
             f.closed &= p.closed;
+            f.translucent |= p.transmittance > 0;
             f.rotated |= instance.yaw != 0.0f;
         }
     }
@@ -134,6 +135,7 @@ uint64_t Scene::contentHash() const {
     for (const Prototype& p : prototypes) {
         h.value(p.castsShadow);
         h.value(p.closed);
+        if (p.transmittance > 0) h.value(p.transmittance);
         for (const Mesh& mesh : p.meshes) hashMesh(h, mesh);
     }
     h.array(std::span<const Instance>(instances));
@@ -214,8 +216,11 @@ void validate(const Scene& scene) {
         if (m.texture >= int(scene.textures.size())) fail("material '" + m.name + "' names a texture that does not exist");
         if (m.alphaTested && m.texture < 0) fail("material '" + m.name + "' is alpha-tested but has no texture");
     }
-    for (const Prototype& p : scene.prototypes)
+    for (const Prototype& p : scene.prototypes) {
+        if (!(p.transmittance >= 0 && p.transmittance < 1))
+            fail(fmt::format("prototype '{}' has transmittance {}; it must lie in 0 ≤ t < 1 (castsShadow = false lets all light through)", p.name, p.transmittance));
         for (const Mesh& mesh : p.meshes) validateMesh(scene, p, mesh);
+    }
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
         if (instance.prototype >= scene.prototypes.size()) fail(fmt::format("instance {} names a prototype that does not exist", i));

@@ -51,6 +51,7 @@ struct Prototype {
     bool castsShadow = true;  ///< false: a receiver only (ground, sky-facing terrain without overhangs)
     bool closed = false;      ///< every mesh is a closed, oriented 2-manifold (tested, not declared by hand)
     bool moving = false;      ///< its shape is that of one moment
+    float transmittance = 0;  ///< share of the sun's light that its shadow lets through, [0, 1); its picture is opaque
 
     size_t triangles() const;
     base::Box box() const;  ///< prototype space; empty when there is no vertex
@@ -110,6 +111,7 @@ struct Facts {
     bool scaled = false;         ///< some instance has scale ≠ 1
     bool closed = false;         ///< every casting prototype is closed
     bool moving = false;         ///< some instance drives, or has a shape that wind bends
+    bool translucent = false;    ///< some casting prototype lets light through
     bool casters = false;        ///< there is at least one casting triangle
     bool receivers = false;      ///< there is at least one triangle
     double depthRange = 1;       ///< largest far / near of the views

@@ -14,8 +14,10 @@ PANEL_SIZE = (4.2, 3.4)  # inches
 MEMORY_HEIGHT = 1.6
 # metric → (title, name of its axis)
 NAMES = {"error": ("Error", "error: share of wrong pixels"),
-         "mean_absolute": ("Mean error", "mean |visibility − truth|")}
-LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic; those of scenes, as an angle is, never are
+         "mean_absolute": ("Mean error", "mean |visibility − truth|"),
+         "excess_flips": ("Popping", "excess flips: share of pixels a frame")}
+LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic;
+SCENE_LOG_RANGE = 100  # of what sets scenes apart: counts may span so much, angles do not
 
 
 def positions(values, name):
@@ -57,7 +59,7 @@ def drawPanel(axes, points, x, place, styles, figure, zeroAt=None):
     for line, own in points.groupby("line", sort=False):
         own = own[own[figure].notna()]
         colour, marker = styles[line]
-        values = own[figure].where(own[figure] > 0, zeroAt)
+        values = own[figure] if zeroAt is None else own[figure].where(own[figure] > 0, zeroAt)
         if own.level.any():
             for value in sorted(set(values)):
                 axes.axhline(value, color=colour, linewidth=1.3, linestyle=(0, (5, 2)), zorder=2)
@@ -65,13 +67,13 @@ def drawPanel(axes, points, x, place, styles, figure, zeroAt=None):
         at = own[x].map(place)
         order = numpy.argsort(at.to_numpy(), kind="stable")
         axes.plot(at.iloc[order], values.iloc[order], color=colour, marker=marker, markersize=4.5, linewidth=1.3, zorder=3)
-        zero = own[figure] == 0
+        zero = (own[figure] == 0) & (zeroAt is not None)
         axes.plot(at[zero], values[zero], linestyle="none", marker=11, markersize=8, color=colour, zorder=4)
 
 
-def styleX(axes, place, shown, logarithmic):
+def styleX(axes, place, shown, ofTechnique):
     where = sorted(place.values())
-    if logarithmic and where[0] > 0 and where[-1] / where[0] >= LOG_RANGE:
+    if where[0] > 0 and where[-1] / where[0] >= (LOG_RANGE if ofTechnique else SCENE_LOG_RANGE):
         axes.set_xscale("log")
     axes.xaxis.set_major_locator(FixedLocator(where))
     axes.xaxis.set_minor_locator(NullLocator())
@@ -105,8 +107,9 @@ def drawCurves(run, points, stem):
     memory["mib"] = memory.texture_bytes / 2**20
     notes = describeLost(points[points.state != "pruned"])
     positive = measured.loc[measured[y] > 0, y]
-    zeroAt = positive.min() / 2 if len(positive) else 1e-6
-    if (measured[y] == 0).any():
+    signed = (measured[y] < 0).any()
+    zeroAt = None if signed else positive.min() / 2 if len(positive) else 1e-6
+    if not signed and (measured[y] == 0).any():
         notes.insert(0, "A logarithmic axis has no 0: ▼ points without any stand at half the least.")
 
     width = PANEL_SIZE[0] * len(columns) + 1.9
@@ -114,14 +117,18 @@ def drawCurves(run, points, stem):
     figure, panels = plt.subplots(len(rows) + bool(len(memory)), len(columns), figsize=(width, height), squeeze=False, sharex=True,
                                   height_ratios=[PANEL_SIZE[1]] * len(rows) + [MEMORY_HEIGHT] * bool(len(memory)), sharey="row")
     title, yName = NAMES.get(y, (y, y))
+    long = max(map(len, shown.values())) > 8  # labels that stand aslant
     bottom, top = addTexts(figure, " · ".join(filter(None, [f"{title} by {x if ',' in name else name}: {points.place.iloc[0]}", *common])), run.machine, notes, int(width * 15))
-    figure.subplots_adjust(left=0.8 / width, right=1 - 1.5 / width, bottom=bottom + 0.5 / height, top=top - 0.25 / height,
+    figure.subplots_adjust(left=0.8 / width, right=1 - 1.5 / width, bottom=bottom + (0.95 if long else 0.5) / height, top=top - 0.25 / height,
                            wspace=0.08, hspace=0.2)
     for row, key in enumerate(rows):
         here = measured[(measured[keys] == key).all(axis=1)] if keys else measured
         for column, value in enumerate(columns):
             axes = panels[row][column]
-            axes.set_yscale("log")
+            if signed:
+                axes.axhline(0, color=MUTED, linewidth=0.8, zorder=1)
+            else:
+                axes.set_yscale("log")
             drawPanel(axes, here[(here.column == value) | (here.column == "")], x, place, styles, y, zeroAt)
             styleX(axes, place, shown, name == x)
             heading = [*(text for text in key if text), f"{run.plot['columns']} {value}" if value else ""]
@@ -136,7 +143,11 @@ def drawCurves(run, points, stem):
     if len(memory):
         panels[-1][0].set_ylabel("maps, MiB")
     for axes in panels[:len(rows)].flat:
-        plainTicks(axes.yaxis, lambda number: f"{number * 100:g} %" if y in NAMES else f"{number:g}")
+        text = (lambda number: f"{number * 100:g} %") if y in NAMES else (lambda number: f"{number:g}")
+        if signed:
+            axes.yaxis.set_major_formatter(FuncFormatter(lambda number, _, text=text: text(round(number, 6))))
+        else:
+            plainTicks(axes.yaxis, text)
     for axes in panels[-1]:
         axes.set_xlabel(name)
     levels = set(measured.line[measured.level])

@@ -112,6 +112,7 @@ private:
         for (size_t i = 0; i < scene_.prototypes.size(); ++i) {
             const Prototype& p = scene_.prototypes[i];
             prototypes.push_back({{"name", p.name}, {"mesh", meshOf_[i]}, {"castsShadow", p.castsShadow}, {"closed", p.closed}, {"moving", p.moving}});
+            if (p.transmittance > 0) prototypes.back()["transmittance"] = p.transmittance;
         }
         for (const Instance& i : scene_.instances) instances.push_back({i.prototype, i.yaw});
         for (const Material& m : scene_.materials) materials.push_back({m.specular, m.shininess});

@@ -43,6 +43,7 @@ public:
             prototype.castsShadow = p.at("castsShadow").get<bool>();
             prototype.closed = p.at("closed").get<bool>();
             prototype.moving = p.at("moving").get<bool>();
+            prototype.transmittance = p.value("transmittance", 0.0f);
             const int mesh = p.at("mesh").get<int>();
             if (mesh < 0) continue;
             for (const Json& primitive : root_.at("meshes").at(size_t(mesh)).at("primitives")) prototype.meshes.push_back(readMesh(primitive));

@@ -26,7 +26,7 @@ struct Cage {
 Cage cageOf(const Species& species, const Stem& stem, int coarser) {
     const LevelParameters& p = species.levels[size_t(stem.level)];
     const int sides = coarser >= 4 ? 4 : coarser >= 2 ? std::max(4, p.sides / 4 * 2) : p.sides;
-    return {sides, int(stem.rings.size()), std::max(0, p.refine - coarser)};
+    return {sides, int(stem.ringCount), std::max(0, p.refine - coarser)};
 }
 
 /// Keeps share/of of the stems for which `candidate` holds, evenly, and of the others those whose parent is kept.

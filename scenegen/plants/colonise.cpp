@@ -13,51 +13,57 @@ constexpr uint64_t kAttractorPurpose = 192;
 constexpr size_t kMostNodes = 20'000;
 
 /// Attractors with the node nearest to each, in a grid whose cells are as large as the radius of influence, so that
-/// what a new node can reach lies in 27 cells.
+/// what a new node can reach lies in 27 cells. Those that a node has reached are gone.
 class Attractors {
 public:
-    Attractors(std::vector<glm::dvec3> points, const ColonisationParameters& p)
-        : points_(std::move(points)), nearest_(points_.size(), -1), distance2_(points_.size(), p.influence * p.influence), p_(p) {
-        glm::dvec3 hi = lo_ = points_.empty() ? glm::dvec3(0) : points_[0];
-        for (const glm::dvec3& a : points_) lo_ = glm::min(lo_, a), hi = glm::max(hi, a);
+    Attractors(const std::vector<glm::dvec3>& points, const ColonisationParameters& p) : p_(p) {
+        glm::dvec3 hi = lo_ = points.empty() ? glm::dvec3(0) : points[0];
+        for (const glm::dvec3& a : points) lo_ = glm::min(lo_, a), hi = glm::max(hi, a);
         for (int axis = 0; axis < 3; ++axis) cells_[axis] = int((hi[axis] - lo_[axis]) / p.influence) + 1;
         grid_.resize(size_t(cells_.x) * size_t(cells_.y) * size_t(cells_.z));
-        for (uint32_t i = 0; i < points_.size(); ++i) grid_[cell(glm::ivec3(glm::floor((points_[i] - lo_) / p.influence)))].push_back(i);
+        for (const glm::dvec3& a : points) grid_[cell(glm::ivec3(glm::floor((a - lo_) / p.influence)))].push_back({a, p.influence * p.influence, -1});
     }
 
-    /// Attractors that the new node is nearest to are its own; those that it touches are gone.
+    /// Attractors that the new node is nearest to are its own.
     void add(const glm::dvec3& node, int index) {
         const glm::ivec3 at(glm::floor((node - lo_) / p_.influence));
         const glm::ivec3 from = glm::max(at - 1, glm::ivec3(0)), to = glm::min(at + 1, cells_ - 1);
         for (int z = from.z; z <= to.z; ++z)
             for (int y = from.y; y <= to.y; ++y)
-                for (int x = from.x; x <= to.x; ++x)
-                    for (const uint32_t i : grid_[cell({x, y, z})]) {
-                        const glm::dvec3 d = points_[i] - node;
+                for (int x = from.x; x <= to.x; ++x) {
+                    std::vector<Attractor>& near = grid_[cell({x, y, z})];
+                    size_t left = 0;
+                    for (Attractor& a : near) {
+                        const glm::dvec3 d = a.position - node;
                         const double d2 = glm::dot(d, d);
-                        if (d2 < p_.kill * p_.kill) distance2_[i] = -1;  // no node is nearer than this
-                        if (d2 < distance2_[i]) distance2_[i] = d2, nearest_[i] = index;
+                        if (d2 < a.distance2) a.distance2 = d2, a.nearest = index;
+                        if (d2 >= p_.kill * p_.kill) near[left++] = a;
                     }
+                    near.resize(left);
+                }
     }
 
     /// Of each node, the sum of the unit vectors to its attractors.
     std::vector<glm::dvec3> pulls(const std::vector<CrownNode>& nodes) const {
         std::vector<glm::dvec3> sums(nodes.size(), glm::dvec3(0));
-        for (size_t i = 0; i < points_.size(); ++i)
-            if (nearest_[i] >= 0 && distance2_[i] > 0) sums[size_t(nearest_[i])] += glm::normalize(points_[i] - nodes[size_t(nearest_[i])].position);
+        for (const std::vector<Attractor>& near : grid_)
+            for (const Attractor& a : near)
+                if (a.nearest >= 0) sums[size_t(a.nearest)] += glm::normalize(a.position - nodes[size_t(a.nearest)].position);
         return sums;
     }
 
 private:
+    struct Attractor {
+        glm::dvec3 position;
+        double distance2 = 0;  // to the nearest node, at first the radius of influence
+        int nearest = -1;
+    };
     size_t cell(const glm::ivec3& c) const { return (size_t(c.z) * size_t(cells_.y) + size_t(c.y)) * size_t(cells_.x) + size_t(c.x); }
 
-    std::vector<glm::dvec3> points_;
-    std::vector<int> nearest_;
-    std::vector<double> distance2_;  // to the nearest node, at first the radius of influence; -1: reached
     const ColonisationParameters& p_;
     glm::dvec3 lo_;
     glm::ivec3 cells_;
-    std::vector<std::vector<uint32_t>> grid_;
+    std::vector<std::vector<Attractor>> grid_;
 };
 
 std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t seed) {

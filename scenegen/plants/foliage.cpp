@@ -27,7 +27,7 @@ public:
     /// Leaves 0 … n - 1 of a site.
     void grow(const LeafSite& site, size_t n, base::Random random) {
         StemAxis axis(*site.stem);
-        const glm::dmat3* twig = site.missingTwig ? &site.missingTwig->rings.front().frame : nullptr;
+        const glm::dmat3* twig = site.missingTwig ? &site.missingTwig->root : nullptr;
         for (size_t k = 0; k < n; ++k) {
             const double share = draw(site, k, n, random);
             const StemAxis::Raw at = axis.raw(site.begin + (site.end - site.begin) * share);

@@ -2,11 +2,13 @@
 
 #include "base/detmath.h"
 
+#include <glm/glm.hpp>
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 
-/// Two numbers in one register, which every 64-bit processor has. Each lane has the bits that the same expression has
+/// Two or four numbers in one register, which every 64-bit processor has. Each lane has the bits that the same expression has
 /// in scalars: the order of operations is that of glm's functions of the same name.
 namespace dapple::scenegen {
 
@@ -19,6 +21,16 @@ inline Pair loadPair(const double* from) {
 }
 inline void storePair(double* to, Pair p) { std::memcpy(to, &p, sizeof(p)); }
 inline Pair squareRoot(Pair p) { return Pair{std::sqrt(p[0]), std::sqrt(p[1])}; }
+
+/// Four lanes, or a point or direction whose last element nobody looks at.
+using Float4 = float __attribute__((vector_size(16)));
+
+inline Float4 float4(const glm::dvec3& v) { return Float4{float(v.x), float(v.y), float(v.z), 0}; }
+inline void store3(glm::vec3& to, Float4 v) {
+    const auto halves = reinterpret_cast<Pair>(v);
+    std::memcpy(&to.x, &halves, sizeof(double));
+    to.z = v[2];
+}
 
 struct Pair3 {
     Pair x, y, z;

@@ -5,6 +5,7 @@
 #include "scenegen/plants/frames.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -57,9 +58,12 @@ struct Bud {
 
 class Grower {
 public:
-    Grower(const Species& species, uint64_t seed) : species_(species), seed_(seed), splitError_(species.levels.size(), 0.0) {}
+    Grower(const Species& species, uint64_t seed) : species_(species), seed_(seed), splitError_(species.levels.size(), 0.0) {
+        if (species.prune.ratio == 0) return;
+        for (size_t i = 0; i < kEnvelopeSteps; ++i) envelope_[i] = envelopeRatio(species.prune, double(i) / (kEnvelopeSteps - 1));
+    }
 
-    Skeleton grow() {
+    Skeleton grow(bool twigsLater) {
         base::Random random(seed_, 0, kChildren);
         const double scale = species_.scale + species_.scaleV * random.next(-1, 1);
         const LevelParameters& trunk = species_.levels[0];
@@ -73,12 +77,29 @@ public:
         stem.bury = 0.02 * stem.length;
         const double turn = 360 * random.next();
         trunkLength_ = stem.length;
+        twigsLater_ = twigsLater && zScale == 1 && species_.levels.back().segSplits == 0;
+        skeleton_.stems.reserve(2048);
         if (species_.colonisation)
             growCrown(stem);
         else
             growStem(std::move(stem), rotateZ(glm::dmat3(1), turn), glm::dvec3(0), 0, 0);
         if (zScale != 1) stretch(zScale);
+        for (Stem& grown : skeleton_.stems)
+            if (!grown.rings.empty()) grown.ringCount = grown.rings.size();
         return std::move(skeleton_);
+    }
+
+    void growTwigs(Skeleton& skeleton, std::span<const uint32_t> wanted) {
+        int parent = -1;
+        std::optional<StemAxis> axis;
+        std::vector<Fork> none;
+        for (const uint32_t id : wanted) {
+            Stem& twig = skeleton.stems[id];
+            if (!twig.rings.empty()) continue;
+            if (twig.parent != parent) axis.emplace(skeleton.stems[size_t(parent = twig.parent)]);
+            steer(twig, int(id), twig.root, 0, 0, none);
+            addRings(twig, twig.root, axis->centre(twig.parentOffset), 0, 1 << skeleton.thinned);
+        }
     }
 
 private:
@@ -104,6 +125,7 @@ private:
     /// `stem` has everything but rings. `frame` and `position` hold where `segment` of its segments end.
     void growStem(Stem stem, const glm::dmat3& frame, const glm::dvec3& position, int segment, double correction) {
         const auto id = int(skeleton_.stems.size());
+        stem.root = frame;
         std::vector<Fork> forks;
         if (!shape(stem, id, frame, position, segment, correction, forks)) return;
         skeleton_.stems.emplace_back();  // its place, before those of its forks and children
@@ -122,9 +144,11 @@ private:
 
     /// Gives the stem its rings and, if it is pruned (section 4.6), its length; false if too little fits into the envelope.
     bool shape(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& root, int segment, double correction, std::vector<Fork>& forks) {
-        steer(stem, id, frame, segment, correction, forks);
+        const LevelParameters& p = species_.levels[size_t(stem.level)];
+        const bool later = twigsLater_ && size_t(stem.level) + 1 == species_.levels.size(), pruned = species_.prune.ratio > 0 && stem.level > 0;
+        if (!later || pruned) steer(stem, id, frame, segment, correction, forks);
         const double whole = stem.length;
-        if (species_.prune.ratio > 0 && stem.level > 0) {
+        if (pruned) {
             double fit = whole;
             while (const std::optional<double> exit = leavesEnvelope(stem, fit, root, segment)) {
                 fit = std::min(*exit, 0.9 * fit);  // where it left is a good guess; less never reaches as far
@@ -136,7 +160,11 @@ private:
             stem.length = whole + (fit - whole) * species_.prune.ratio;
             if (stem.length < kShortest * whole) return false;
         }
-        addRings(stem, frame, root, segment);
+        stem.faceted = p.refine == 0;
+        if (later)
+            stem.ringCount = size_t(p.curveRes) + 1;
+        else
+            addRings(stem, frame, root, segment, 1);
         return true;
     }
 
@@ -144,6 +172,8 @@ private:
     void steer(const Stem& stem, int id, glm::dmat3 frame, int segment, double correction, std::vector<Fork>& forks) {
         const LevelParameters& p = species_.levels[size_t(stem.level)];
         course_.clear();
+        if (p.curve == 0 && p.curveBack == 0 && p.curveV == 0 && p.segSplits == 0 && correction == 0 && stem.level >= 2)
+            return steerUpright(frame[2], p.curveRes);
         base::Random curve(seed_, uint64_t(id), kCurve), split(seed_, uint64_t(id), kSplit);
         const glm::dmat3 helixAxis = p.curveV < 0 ? rotateX(frame, p.curveV) : frame;
         const double helixTurn = p.curveV < 0 ? (curve.next() < 0.5f ? -kHelixTurn : kHelixTurn) : 0;
@@ -157,8 +187,21 @@ private:
                 if (p.curveV != 0) frame = rotateZ(frame, 30 * curve.next(-1, 1));
                 if (stem.level >= 2) frame = attract(frame, p.curveRes);
             }
-            course_.push_back(frame);
+            course_.push_back(frame[2]);
             if (s + 1 < p.curveRes) fork(stem, p, s, frame, correction, split, forks);
+        }
+    }
+
+    /// steer() for a stem that nothing but vertical attraction bends: it stays in one upright plane.
+    void steerUpright(const glm::dvec3& along, int segments) {
+        const double across = std::sqrt(along.x * along.x + along.y * along.y);
+        const glm::dvec2 to = across < 1e-6 ? glm::dvec2(0) : glm::dvec2(along) / across;
+        double decl = det::acos(along.z), sine = across;
+        for (int s = 0; s < segments; ++s) {
+            decl -= std::clamp(species_.attractionUp * decl * sine / segments, -decl, decl);
+            const auto [sin, cos] = det::sinCos(decl);
+            course_.emplace_back(to * sin, cos);
+            sine = sin;
         }
     }
 
@@ -168,35 +211,47 @@ private:
         const double most = species_.prune.width * height_;
         const auto outside = [&](const glm::dvec3& p) {
             const double distance2 = p.x * p.x + p.y * p.y;
-            const double ratio = (height_ - p.z) / (height_ * (1 - species_.baseSize)), least = most * envelopeAtLeast(species_.prune, ratio);
-            if (distance2 > most * most || distance2 < least * least) return distance2 > most * most;  // a power takes long
+            const double ratio = (height_ - p.z) / (height_ * (1 - species_.baseSize));
+            const auto [least, widestHere] = envelopeBounds(ratio);  // a power takes long
+            if (distance2 < most * most * least * least) return false;
+            if (distance2 > most * most * widestHere * widestHere) return true;
             const double widest = most * envelopeRatio(species_.prune, ratio);
             return distance2 > widest * widest;
         };
         if (outside(position)) return segment * step;
         for (size_t s = 0; s < course_.size(); ++s) {
-            position += course_[s][2] * step;
+            position += course_[s] * step;
             if (outside(position)) return (segment + int(s) + 1) * step;
         }
         return std::nullopt;
     }
 
-    void addRings(Stem& stem, const glm::dmat3& frame, glm::dvec3 position, int segment) const {
+    /// Around envelopeRatio. The envelope rises to its peak and falls from there, so between two heights that are not on
+    /// both sides of it, it is no wider and no narrower than at them; give or take what rounding may do.
+    std::pair<double, double> envelopeBounds(double ratio) const {
+        if (!(ratio >= 0 && ratio < 1)) return {0, 1};
+        const auto i = size_t(ratio * (kEnvelopeSteps - 1));
+        const auto [low, high] = std::minmax(envelope_[i], envelope_[i + 1]);
+        const bool peak = std::abs(double(i) + 0.5 - (1 - species_.prune.widthPeak) * (kEnvelopeSteps - 1)) < 1.5;
+        return {low * (1 - 1e-9), peak ? 1 : high * (1 + 1e-9)};
+    }
+
+    /// Every `stride`-th ring and the last.
+    void addRings(Stem& stem, const glm::dmat3& frame, glm::dvec3 position, int segment, int stride) const {
         const LevelParameters& p = species_.levels[size_t(stem.level)];
-        stem.faceted = p.refine == 0;
-        stem.rings.reserve(course_.size() + 3);
+        stem.rings.reserve(course_.size() / size_t(stride) + 4);
         const double step = stem.length / p.curveRes;
         if (segment > 0) stem.start = segment * step;
-        const auto addRing = [&](const glm::dvec3& centre, const glm::dmat3& f, double offset) {
-            stem.rings.push_back({centre, f, surfaceRadius(stem, offset), offset});
+        const auto addRing = [&](const glm::dvec3& centre, double offset) {
+            stem.rings.push_back({centre, frame, surfaceRadius(stem, offset), offset});
         };
-        addRing(position, frame, segment * step);
-        for (const glm::dmat3& f : course_) {
+        addRing(position, segment * step);
+        for (const glm::dvec3& along : course_) {
             // The flare lies within the first eighth of the trunk: two rings more carry it.
             if (stem.level == 0 && segment == 0)
-                for (const double share : {0.15, 0.5}) addRing(position + f[2] * (share * step), f, share * step);
-            position += f[2] * step;
-            addRing(position, f, ++segment * step);
+                for (const double share : {0.15, 0.5}) addRing(position + along * (share * step), share * step);
+            position += along * step;
+            if (++segment % stride == 0 || &along == &course_.back()) addRing(position, segment * step);
         }
         orientRings(stem.rings);
     }
@@ -380,7 +435,10 @@ private:
     uint64_t seed_;
     double height_ = 0, trunkLength_ = 0;  // metres
     std::vector<double> splitError_;  // per level, carried over the whole tree
-    std::vector<glm::dmat3> course_;  // of the stem that is being shaped: the frame of each of its segments
+    bool twigsLater_ = false;
+    static constexpr size_t kEnvelopeSteps = 129;
+    std::array<double, kEnvelopeSteps> envelope_{};  // of pruning, from its top to its foot
+    std::vector<glm::dvec3> course_;  // of the stem that is being shaped: the direction of each of its segments
     std::vector<CrownNode> nodes_;                 // of a colonised tree,
     std::vector<size_t> thickest_;                 // of each its thickest child, or 0,
     std::vector<std::vector<size_t>> others_;      // and the others
@@ -389,6 +447,12 @@ private:
 
 }  // namespace
 
-Skeleton growSkeleton(const Species& species, uint64_t seed) { return Grower(species, seed).grow(); }
+Skeleton growSkeleton(const Species& species, uint64_t seed) { return Grower(species, seed).grow(false); }
+
+Skeleton growLimbs(const Species& species, uint64_t seed) { return Grower(species, seed).grow(true); }
+
+void growTwigs(const Species& species, uint64_t seed, Skeleton& skeleton, std::span<const uint32_t> wanted) {
+    Grower(species, seed).growTwigs(skeleton, wanted);
+}
 
 }  // namespace dapple::scenegen

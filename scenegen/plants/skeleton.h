@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace dapple::scenegen {
@@ -35,7 +36,9 @@ struct Stem {
     double leafShare = 1;    ///< factor on the leaves of a twig, from its place on its parent
     bool faceted = false;    ///< meshed without subdivision: between two rings the surface is straight
     double bury = 0;         ///< a trunk goes on below the ground, which undulates: metres
-    std::vector<Ring> rings; ///< at least two
+    glm::dmat3 root{1};      ///< frame that it leaves its parent with, before its first bend
+    size_t ringCount = 0;    ///< of rings, once they are grown
+    std::vector<Ring> rings; ///< at least two; none before growTwigs, where they are left to that
 
     /// Centre of ring i of the control cage. The ends lie beyond the stem's, because the limit surface
     /// retreats at a cap (vertices of valence 3) by a quarter of the cage's last segment.
@@ -68,10 +71,18 @@ private:
 
 struct Skeleton {
     std::vector<Stem> stems;  ///< a parent stands before its children
+    int thinned = 0;          ///< times that thinRings was called
 };
 
 /// Weber and Penn (1995), sections 4.1-4.8. The same species and seed give the same bits everywhere.
 Skeleton growSkeleton(const Species& species, uint64_t seed);
+
+/// The same without the rings of twigs (stems of the last level), most of which a budget may drop. Twigs that fork, or of
+/// trees that are stretched, have theirs at once.
+Skeleton growLimbs(const Species& species, uint64_t seed);
+
+/// Gives those of the stems `wanted` (indices) that have none their rings, as thinned as their parents'.
+void growTwigs(const Species& species, uint64_t seed, Skeleton& skeleton, std::span<const uint32_t> wanted);
 
 /// Takes every second ring away, and moves what grows on a stem along with its surface.
 void thinRings(Skeleton& skeleton);

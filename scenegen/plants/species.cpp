@@ -195,10 +195,4 @@ double envelopeRatio(const PruneParameters& p, double r) {
     return base::det::pow(base, power);  // 0 for a base of 0, so that a power of 0 still closes the envelope
 }
 
-double envelopeAtLeast(const PruneParameters& p, double r) {
-    if (r < 0 || r > 1) return 0;
-    const auto [base, power] = envelopePower(p, r);
-    return power <= 0.5 ? 0.999999 * std::sqrt(base) : power <= 1 ? 0.999999 * base : 0;
-}
-
 }  // namespace dapple::scenegen

@@ -105,7 +105,4 @@ double shapeRatio(int shape, double ratio);
 /// The same for the pruning envelope (shape 8), in shares of its width; 0 outside 0 ≤ ratio ≤ 1.
 double envelopeRatio(const PruneParameters& prune, double ratio);
 
-/// A lower bound of envelopeRatio that takes no power.
-double envelopeAtLeast(const PruneParameters& prune, double ratio);
-
 }  // namespace dapple::scenegen

@@ -1,6 +1,6 @@
 #include "scenegen/plants/frames.h"
 
-#include <utility>
+#include <algorithm>
 
 namespace dapple::scenegen {
 
@@ -9,7 +9,7 @@ void orientRings(std::vector<Ring>& r) {
     glm::dvec3 across = r[0].frame[0], along(0);
     for (size_t i = 0; i <= last; ++i) {
         if (i == 0 || last > 1) along = glm::normalize(r[std::min(i + 1, last)].centre - r[i == 0 ? 0 : i - 1].centre);
-        if (std::abs(glm::dot(across, along)) > 0.99) across = r[i].frame[1];
+        if (std::abs(glm::dot(across, along)) > 0.99) across = r[i == 0 ? 0 : i - 1].frame[1];
         r[i].frame = frameAlong(along, across);
         across = r[i].frame[0];
     }
@@ -67,22 +67,26 @@ StemPoint StemAxis::at(double offset) {
 }
 
 void thinRings(Skeleton& skeleton) {
+    ++skeleton.thinned;
+    std::vector<bool> bears(skeleton.stems.size(), false);
+    for (const Stem& stem : skeleton.stems)
+        if (stem.parent >= 0) bears[size_t(stem.parent)] = true;
     std::vector<glm::dvec3> moved(skeleton.stems.size(), glm::dvec3(0));
-    std::vector<Stem> before(skeleton.stems.size());
+    std::vector<Stem> before(skeleton.stems.size());  // of those that bear others
     for (size_t i = 0; i < skeleton.stems.size(); ++i) {
         Stem& stem = skeleton.stems[i];
+        stem.ringCount = stem.ringCount / 2 + 1;
+        if (stem.rings.empty()) continue;
         if (stem.parent >= 0) {
             const auto parent = size_t(stem.parent);
             moved[i] = StemAxis(skeleton.stems[parent]).centre(stem.parentOffset) - StemAxis(before[parent]).centre(stem.parentOffset);
         }
-        std::vector<Ring> all = std::exchange(stem.rings, {});
-        before[i] = stem;
-        stem.rings.reserve(all.size() / 2 + 1);
-        for (size_t r = 0; r < all.size(); ++r)
-            if (r % 2 == 0 || r + 1 == all.size()) stem.rings.push_back(all[r]);
-        before[i].rings = std::move(all);
-        for (Ring& ring : stem.rings) ring.centre += moved[i];
-        orientRings(stem.rings);
+        if (bears[i]) before[i] = stem;
+        std::vector<Ring>& rings = stem.rings;
+        for (size_t r = 0; r < stem.ringCount; ++r) rings[r] = rings[std::min(2 * r, rings.size() - 1)];
+        rings.erase(rings.begin() + long(stem.ringCount), rings.end());
+        for (Ring& ring : rings) ring.centre += moved[i];
+        orientRings(rings);
     }
 }
 

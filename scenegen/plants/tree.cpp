@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <numeric>
+
 namespace dapple::scenegen {
 namespace {
 
@@ -14,9 +16,17 @@ constexpr double kBarkShare[kLods] = {1, 0.8, 0.5};
 }  // namespace
 
 Tree growTree(const Species& species, const TreeOptions& options) {
-    Skeleton skeleton = growSkeleton(species, options.seed);
+    Skeleton skeleton = options.wind ? growSkeleton(species, options.seed) : growLimbs(species, options.seed);
     if (options.wind) sway(skeleton, *options.wind, options.seed);
     const BarkPlan plan = planBark(species, skeleton, size_t(kBarkShare[options.lod] * species.barkShare * double(options.triangles)), options.lod);
+    if (options.lod > 0) {
+        // Leaves float where a twig would be.
+        std::vector<uint32_t> all(skeleton.stems.size());
+        std::iota(all.begin(), all.end(), 0u);
+        growTwigs(species, options.seed, skeleton, all);
+    } else {
+        growTwigs(species, options.seed, skeleton, plan.kept);
+    }
     const std::vector<LeafSite> sites = leafSites(species, skeleton, plan.kept, options.leaves, options.lod > 0);
     size_t leaves = naturalLeaves(sites);
     if (options.triangles > 0) {

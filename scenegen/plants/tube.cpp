@@ -1,6 +1,7 @@
 #include "scenegen/plants/tube.h"
 
 #include "base/detmath.h"
+#include "scenegen/plants/lanes.h"
 #include "scenegen/plants/vertex_order.h"
 
 #include <opensubdiv/far/primvarRefiner.h>
@@ -19,8 +20,6 @@ namespace dapple::scenegen {
 namespace {
 namespace Far = OpenSubdiv::Far;
 
-/// Written out because g++ at -O2 keeps sums in arrays of float in memory, which halves the speed.
-using Float4 = float __attribute__((vector_size(16)));
 static_assert(kLanes == 16);
 
 /// A row of the refinement matrix: the weight of every control point.
@@ -98,7 +97,8 @@ std::unique_ptr<const TubeTopology> build(int sides, int rings, int refine) {
     return topology;
 }
 
-/// For lanes of the first `quads` groups of four: a tree has one trunk, not sixteen.
+/// For lanes of the first `quads` groups of four: a tree has one trunk, not sixteen. Groups are written out as Float4
+/// because g++ at -O2 keeps sums in arrays of float in memory, which halves the speed.
 template <size_t quads>
 void evaluate(const TubeTopology& topology, const float* controls, int lanes, glm::vec3* positions, glm::vec3* normals) {
     constexpr size_t kCount = 4 * quads;

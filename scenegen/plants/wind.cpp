@@ -54,6 +54,7 @@ void sway(Skeleton& skeleton, const Wind& wind, uint64_t seed) {
             rings[r + 1].centre = rings[r].centre + turned(segment, axis);
         }
         rings[0].frame = carried * rings[0].frame;
+        stem.root = carried * stem.root;
         orientRings(rings);
     }
 }

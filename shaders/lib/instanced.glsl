@@ -11,17 +11,19 @@ struct Caster {
     float secondTurn;
 };
 struct CasterType {
-    vec4 centre;     // of its box, prototype space
+    vec4 centre;     // of its box, prototype space; w: metres by which shadows of maps of an earlier sun may leave the volume
     vec4 half_;      // half its size; w: κ², κ = horizontal radius / half height
-    vec2 depth;      // metres along the light from its origin: nearest, 1 / range
+    float transmittance;  // of its shadow
     float pad;       // metres by which the box is larger than the object's
-    uint unused;
+    float unused0, unused1;
 };
 layout(std430, binding = 1) restrict readonly buffer Casters { Caster casters[]; };
 layout(std430, binding = 2) restrict readonly buffer CasterTypes { CasterType casterTypes[]; };
 struct CasterMap {
     vec4 window;     // centre, 1 / half size
     vec4 square;     // in the atlas: x, y, page, side
+    vec2 depth;      // metres along its light from the object's origin: nearest, 1 / range
+    vec2 sun;        // cosine and sine of the sun's elevation that it was rendered under
 };
 layout(std430, binding = 3) restrict readonly buffer CasterMaps { CasterMap casterMaps[]; };
 
@@ -41,40 +43,52 @@ vec2 withinBox(vec3 q, vec3 h, vec3 light) {
     return vec2(max(0.0, max(max(enter.x, enter.y), enter.z)), min(min(leave.x, leave.y), leave.z));
 }
 
+// Half size of the box whose shadow volume holds all that the caster's maps darken, in its own scale.
+vec3 reachOfBox(Caster c, CasterType type) { return type.half_.xyz + type.centre.w / c.place.w; }
+
 // Along the light, in the caster's own scale, where its shadow volume can meet the box of receivers about `centre`
 // (relative to the eye); nowhere if the second is smaller. Conservative.
 vec2 reachOf(Caster c, CasterType type, vec3 centre, vec3 reach) {
     vec2 a = abs(c.cosSinYaw);  // in the caster's axes the box of receivers lies within one of these half sides
-    vec3 grown = type.half_.xyz + vec3(a.x * reach.x + a.y * reach.y, a.y * reach.x + a.x * reach.y, reach.z) / c.place.w;
+    vec3 grown = reachOfBox(c, type) + vec3(a.x * reach.x + a.y * reach.y, a.y * reach.x + a.x * reach.y, reach.z) / c.place.w;
     return withinBox(toBoxAxes(c, (centre - c.place.xyz) / c.place.w) - type.centre.xyz, grown, toBoxAxes(c, uLight));
 }
 
 #ifdef LOOK_UP
 layout(binding = 3) uniform MAP_SAMPLER uMap;
-uniform vec3 uBasisU, uBasisV;
+uniform vec2 uHeading;  // of the light, unit
+
+// Axes of a map. Its rotation is counted against the light's heading, so that they turn with the sun's azimuth.
+struct Basis {
+    vec3 u, v, light;
+};
+Basis basisOf(CasterMap map) {
+    return Basis(vec3(uHeading.y, -uHeading.x, 0.0), vec3(map.sun.y * uHeading, map.sun.x), vec3(map.sun.x * uHeading, -map.sun.y));
+}
 
 bool inVolume(Caster c, CasterType type, vec3 p) {
-    vec2 along = withinBox(toBoxAxes(c, (p - c.place.xyz) / c.place.w) - type.centre.xyz, type.half_.xyz, toBoxAxes(c, uLight));
+    vec2 along = withinBox(toBoxAxes(c, (p - c.place.xyz) / c.place.w) - type.centre.xyz, reachOfBox(c, type), toBoxAxes(c, uLight));
     return along.y >= along.x;
 }
 
 // Texel coordinates and normalised depth of q, in the caster's own scale but the world's axes, in a map that was
 // rendered `turn` radians on.
 vec3 mapCoordinates(uint map, CasterType type, vec3 q, float turn, bool inside) {
+    CasterMap m = casterMaps[map];
+    Basis b = basisOf(m);
     float along = 0.0;
 #if SAMPLE_FRAME != 0    // A leaves q where it is
     bool pivot = SAMPLE_FRAME == 2 || (SAMPLE_FRAME == 3 && !inside);
     if (pivot) {  // E: turn about the point of q's ray that is nearest to the caster
         float k = type.half_.w;
-        along = (dot(uLight.xy, q.xy) + k * uLight.z * (q.z - type.centre.z)) / (dot(uLight.xy, uLight.xy) + k * uLight.z * uLight.z);
-        q -= along * uLight;
+        along = (dot(b.light.xy, q.xy) + k * b.light.z * (q.z - type.centre.z)) / (dot(b.light.xy, b.light.xy) + k * b.light.z * b.light.z);
+        q -= along * b.light;
     }
     float c = cos(turn), s = sin(turn);
     q = vec3(c * q.x - s * q.y, s * q.x + c * q.y, q.z);
 #endif
-    vec4 w = casterMaps[map].window;
-    vec2 uv = (vec2(dot(q, uBasisU), dot(q, uBasisV)) - w.xy) * w.zw * 0.5 + 0.5;
-    return vec3(uv * casterMaps[map].square.w, (dot(q, uLight) + along - type.depth.x) * type.depth.y);
+    vec2 uv = (vec2(dot(q, b.u), dot(q, b.v)) - m.window.xy) * m.window.zw * 0.5 + 0.5;
+    return vec3(uv * m.square.w, (dot(q, b.light) + along - m.depth.x) * m.depth.y);
 }
 
 // Extent of a map's texel along the map's axes, metres in the caster's own scale.
@@ -98,13 +112,15 @@ float litIn(uint map, vec3 s) {
 // Share of the sun that caster c lets through to a receiver at p (relative to the eye) that faces the sun.
 float lookUp(Caster c, CasterType type, vec3 p, vec3 normal) {
     vec2 texel = max(texelOf(c.firstMap), texelOf(c.secondMap)) * c.place.w;
-    float depthStep = c.place.w / type.depth.y * 1.1920929e-7;
-    vec2 slope = abs(vec2(dot(normal, uBasisU), dot(normal, uBasisV))) * texel / max(-dot(normal, uLight), 1e-4);
-    p = biased(p, normal, uLight, max(texel.x, texel.y), slope, vec2(0.0), depthStep);
+    vec2 range = 1.0 / vec2(casterMaps[c.firstMap].depth.y, casterMaps[c.secondMap].depth.y);
+    float depthStep = c.place.w * max(range.x, range.y) * 1.1920929e-7;
+    bool first = c.weight < 0.5;
+    Basis b = basisOf(casterMaps[first ? c.firstMap : c.secondMap]);
+    vec2 slope = abs(vec2(dot(normal, b.u), dot(normal, b.v))) * texel / max(-dot(normal, b.light), 1e-4);
+    p = biased(p, normal, b.light, max(texel.x, texel.y), slope, vec2(0.0), depthStep);
     vec3 q = (p - c.place.xyz) / c.place.w;
     bool inside = all(lessThanEqual(abs(toBoxAxes(c, q) - type.centre.xyz), type.half_.xyz));
     vec3 s0 = mapCoordinates(c.firstMap, type, q, c.turn, inside), s1 = mapCoordinates(c.secondMap, type, q, c.secondTurn, inside);
-    bool first = c.weight < 0.5;
 #if MODE == 0    // the nearer map alone
     vec3 s = first ? s0 : s1;
     return litIn(first ? c.firstMap : c.secondMap, s);
@@ -114,7 +130,7 @@ float lookUp(Caster c, CasterType type, vec3 p, vec3 normal) {
 #else            // depths, interpolated before the comparison; a cleared texel is not a depth
     float d0 = depthIn(c.firstMap, s0.xy), d1 = depthIn(c.secondMap, s1.xy);
     float z0 = min(s0.z, 1.0), z1 = min(s1.z, 1.0);
-    if (d0 < 1.0 && d1 < 1.0) return mix(d0 - z0, d1 - z1, c.weight) < 0.0 ? 0.0 : 1.0;
+    if (d0 < 1.0 && d1 < 1.0) return mix((d0 - z0) * range.x, (d1 - z1) * range.y, c.weight) < 0.0 ? 0.0 : 1.0;
     return (first ? d0 < z0 : d1 < z1) ? 0.0 : 1.0;
 #endif
 }

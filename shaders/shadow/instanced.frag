@@ -24,6 +24,9 @@ void main() {
     if (dot(normal, uLight) >= 0.0) discard;  // dark already
     float lit = lookUp(c, type, p, normal);
     if (lit >= 1.0) discard;
+#ifdef TRANSLUCENT
+    lit = mix(type.transmittance, 1.0, lit);
+#endif
     oVisibility = vec2(lit, 1.0);
 #endif
 }

@@ -29,9 +29,10 @@ void main() {
     if (mirror.x * mirror.y * mirror.z < 0.0) index += index % 3 == 1 ? 1 : index % 3 == 2 ? -1 : 0;
     uint corner = corners[index];
     vec3 side = vec3(corner & 1u, (corner >> 1) & 1u, (corner >> 2) & 1u) * 2.0 - 1.0;
-    vec3 world = c.place.xyz + c.place.w * fromBoxAxes(c, type.centre.xyz + type.half_.xyz * side * mirror);
+    vec3 reach = reachOfBox(c, type);
+    vec3 world = c.place.xyz + c.place.w * fromBoxAxes(c, type.centre.xyz + reach * side * mirror);
     // Below the lowest receiver there is nothing to darken: a high sun makes short volumes.
-    float top = c.place.z + c.place.w * (type.centre.z + type.half_.z);
+    float top = c.place.z + c.place.w * (type.centre.z + reach.z);
     float extrusion = min(uExtrusion, (top - uFloor) / max(-uLight.z, 1e-6));
     float moved = (corner & 8u) != 0u ? extrusion : 0.0;
 #ifdef MASKED

@@ -10,13 +10,11 @@ uniform float uMost;  // texels a side that a map may have
 shared uint sList[256];
 shared uint sCount;
 
-// Footprint of a pixel on the receiver's plane, seen from the sun: metres along the basis for a step across and one up.
-mat2 footprint(vec3 ray, float z, vec3 normal) {
+// Footprint of a pixel on the receiver's plane: metres for a step across and one up.
+mat2x3 footprint(vec3 ray, float z, vec3 normal) {
     float along = dot(normal, ray);
     vec3 across = uRight.xyz * 2.0 * uPixel.x, up = uUp.xyz * 2.0 * uPixel.y;
-    across = z * (across - ray * (dot(normal, across) / along));
-    up = z * (up - ray * (dot(normal, up) / along));
-    return mat2(dot(across, uBasisU), dot(across, uBasisV), dot(up, uBasisU), dot(up, uBasisV));
+    return z * mat2x3(across - ray * (dot(normal, across) / along), up - ray * (dot(normal, up) / along));
 }
 
 // Smaller singular value.
@@ -26,11 +24,13 @@ float shortest(mat2 m) {
     return abs(determinant(m)) / sqrt(max(larger, 1e-30));
 }
 
-void ask(uint map, Caster c, mat2 metres, float turn) {
+void ask(uint map, Caster c, mat2x3 metres, float turn) {
+    Basis b = basisOf(casterMaps[map]);
+    mat2 seen = mat2(dot(metres[0], b.u), dot(metres[0], b.v), dot(metres[1], b.u), dot(metres[1], b.v));  // from the sun
     // Of the object alone, without what surrounds it: that depends on the present side, which must not feed back.
     float share = max(0.5, 1.0 - 2.0 * uPadTexels / casterMaps[map].square.w);
     vec2 perSide = 0.5 * casterMaps[map].window.zw / share / c.place.w;  // objects by metre
-    float step = shortest(mat2(metres[0] * perSide, metres[1] * perSide));
+    float step = shortest(mat2(seen[0] * perSide, seen[1] * perSide));
     // What lies at a crown's edge moves with the rotation between map and caster; finer texels only draw that sharper.
     step = length(vec2(step, ROTATION * turn));
     atomicAdd(demand[map], uint(min(1.0 / max(step, 1e-9), uMost) / UNIT + 0.5));
@@ -42,7 +42,7 @@ void main() {
     clearReceiverBox();
     float depth = all(lessThan(pixel, size)) ? texelFetch(uDepth, pixel, 0).r : 0.0;
     vec3 p = vec3(0.0);
-    mat2 metres = mat2(0.0);
+    mat2x3 metres = mat2x3(0.0);
     bool asks = false;
     if (depth > 0.0) {
         vec3 ray = viewRay(vec2(pixel) + 0.5), normal = geometricNormal(pixel);

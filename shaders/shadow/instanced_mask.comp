@@ -28,7 +28,7 @@ void main() {
     }
     if (all.y < all.x) return;
     // Room for what the vertices round, so that no face cuts a receiver off.
-    float slack = 1e-3 * (length(type.half_.xyz) + all.y);
+    float slack = 1e-3 * (length(reachOfBox(c, type)) + all.y);
     bool about = i >= uint(uNotAboutEye);
     uint place = atomicAdd(commands[about ? 1 : 0].instances, 1u) + (about ? uint(uCasters) : 0u);
     survivors[place] = Survivor(i, max(0.0, all.x - slack), all.y + slack);

@@ -37,7 +37,7 @@ struct Frame::Programs {
 };
 
 Frame::Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int width, int height)
-    : scene_(&scene), camera_(view, width, height), light_(scene.scene().sun.direction()),
+    : scene_(&scene), camera_(view, width, height), sun_(scene.scene().sun), light_(sun_.direction()),
       surface_(GL_RGBA32UI, width, height), depth_(GL_DEPTH_COMPONENT32F, width, height),
       visibility_(GL_RG16F, width, height), shaded_(GL_SRGB8_ALPHA8, width, height), noAttributes_(gl::makeVertexArray()),
       nearest_(gl::makeSampler({})) {
@@ -61,7 +61,7 @@ void Frame::setView(const gl::Program& program) const {
     program.set("uPixel", glm::vec2(1.0 / camera_.width, 1.0 / camera_.height));
     program.set("uClipFromRelative", glm::mat4(camera_.clipFromRelative));
     program.set("uLight", glm::vec3(light_));
-    program.set("uDaylight", daylight(scene_->scene().sun.elevation));
+    program.set("uDaylight", daylight(sun_.elevation));
 }
 
 void Frame::bindGeometry() const {
@@ -75,10 +75,14 @@ void Frame::drawFullscreen() const {
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally, gpuscene::Faces faces) {
+void Frame::setGeometryState() const {
     glViewport(0, 0, camera_.width, camera_.height);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
+}
+
+void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally, gpuscene::Faces faces) {
+    setGeometryState();
     const auto draw = [&](const gl::Program& program, Bucket bucket, Attributes attributes) {
         if (!program.name()) return;
         setView(program);
@@ -91,16 +95,26 @@ void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& program
     draw(programs.alpha, Bucket::alphaTested, Attributes::all);
 }
 
-Pass Frame::gbufferPass() {
+Pass Frame::gbufferPass(Culling culling) {
     if (!gbuffer_) gbuffer_ = std::make_shared<Programs>(*scene_, "passes/gbuffer.frag");
-    return {"gbuffer", {}, {"gbuffer", "depth"}, "colour, normals and depth of what the view sees", "", [this](measure::Ledger& tally) {
-                scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
+    const bool asks = bool(culling);
+    if (!culling)
+        culling = [this](const gpuscene::Submit& submit) {
+            scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
+            submit(visible_);
+        };
+    return {"gbuffer", {}, {"gbuffer", "depth"}, "colour, normals and depth of what the view sees", "", [this, culling](measure::Ledger& tally) {
                 const float zero[4] = {0, 0, 0, 0};
                 glBindFramebuffer(GL_FRAMEBUFFER, gbufferTarget_.name());
                 // Colour needs no clearing: pixels that no triangle covers are sky by their depth.
                 glClearBufferfv(GL_DEPTH, 0, zero);
-                drawGeometry(visible_, *gbuffer_, tally);
-            }};
+                setGeometryState();
+                drawn_.clear();
+                culling([&](const gpuscene::DrawList& list) {
+                    drawGeometry(list, *gbuffer_, tally);
+                    drawn_.insert(drawn_.end(), list.instances.begin(), list.instances.end());
+                });
+            }, asks};
 }
 
 Pass Frame::barePass() {
@@ -172,7 +186,7 @@ void Frame::countGeometry() {
 }
 
 base::ImageF Frame::readChannel(const gl::Texture& texture, int layer) const {
-    const bool isDepth = texture.format() == GL_DEPTH_COMPONENT32F;
+    const bool isDepth = texture.format() == GL_DEPTH_COMPONENT32F || texture.format() == GL_DEPTH32F_STENCIL8;
     base::ImageF image{texture.width(), texture.height(), 1, std::vector<float>(size_t(texture.width()) * size_t(texture.height()))};
     std::vector<float> rows(image.texels.size());
     glGetTextureSubImage(texture.name(), 0, 0, 0, layer, texture.width(), texture.height(), 1, isDepth ? GL_DEPTH_COMPONENT : GL_RED,

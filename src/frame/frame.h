@@ -6,6 +6,7 @@
 #include "gpuscene/gpu_scene.h"
 #include "truth/reference.h"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -23,8 +24,17 @@ public:
         everything_.data.clear();  // its positions are relative to the eye that was
     }
 
+    /// Moves the sun. Techniques follow in the next frame; a Renderer's passes may change with replan().
+    void setSun(const scenegen::Sun& sun) {
+        sun_ = sun;
+        light_ = sun.direction();
+    }
+    /// To be called when instances have moved (gpuscene::GpuScene::instancesMoved).
+    void instancesMoved() { everything_.data.clear(); }
+
     const gpuscene::GpuScene& scene() const { return *scene_; }
     const Camera& camera() const { return camera_; }
+    const scenegen::Sun& sun() const { return sun_; }
     const glm::dvec3& light() const { return light_; }  ///< unit, direction in which the light travels
     bool sunUp() const { return light_.z < 0; }
     /// Box of an instance, or of the whole scene, relative to the eye.
@@ -46,7 +56,12 @@ public:
     /// Draws the triangle that covers the screen.
     void drawFullscreen() const;
 
-    Pass gbufferPass();
+    /// Draws what the camera sees; decides what that is.
+    using Culling = std::function<void(const gpuscene::Submit&)>;
+    /// Without a culling: the instances whose boxes meet the view frustum.
+    Pass gbufferPass(Culling culling = {});
+    /// Instances that the last G-buffer pass drew; empty where the GPU chose them.
+    const std::vector<uint32_t>& drawnInstances() const { return drawn_; }
     Pass shadePass(bool shadowed);
     Pass barePass();  ///< everything, nothing culled, forward, straight to `shaded`
 
@@ -65,17 +80,20 @@ public:
 private:
     struct Programs;
     base::DBox relative(const base::Box& box) const;
+    void setGeometryState() const;
     void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally,
                       gpuscene::Faces faces = gpuscene::Faces::front);
 
     const gpuscene::GpuScene* scene_;
     Camera camera_;
+    scenegen::Sun sun_;
     glm::dvec3 light_;
     gl::Texture surface_, depth_, visibility_, shaded_, overdraw_;
     gl::Framebuffer gbufferTarget_, visibilityTarget_, shadedTarget_, bareTarget_, overdrawTarget_, countTarget_;
     gl::VertexArray noAttributes_;
     gl::Sampler nearest_;
     gpuscene::DrawList visible_, everything_;
+    std::vector<uint32_t> drawn_;
     std::shared_ptr<const Programs> gbuffer_, bare_, count_;
     gl::Program shade_, shadeUnshadowed_;
 };

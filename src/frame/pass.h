@@ -18,6 +18,7 @@ struct Pass {
     std::string why;                  ///< one line for `dapple list` and the JSON beside a picture
     std::string leftOut;              ///< not empty: the scene does not need this pass, for this reason
     std::function<void(measure::Ledger&)> record;  ///< issues the GL calls; state is reset around it
+    bool asksOcclusion = false;       ///< runs occlusion queries of its own, beside which GL allows no other
 };
 
 /// The one seam around every pass.

@@ -61,6 +61,17 @@ Texture::Texture(GLenum internalFormat, int width, int height, int layers, int l
     checkErrors(fmt::format("a texture of {}×{}×{} texels, {} MiB", width, height, std::max(layers, 1), bytes() >> 20).c_str());
 }
 
+Texture Texture::view(int layer) const {
+    Texture view;
+    GLuint name = 0;
+    glGenTextures(1, &name);  // a view must not have a target yet
+    view.handle_ = Handle<deleteTexture>(name);
+    view.format_ = format_, view.width_ = width_, view.height_ = height_, view.levels_ = levels_;
+    glTextureView(name, GL_TEXTURE_2D, handle_.name(), format_, 0, GLuint(levels_), GLuint(layer), 1);
+    checkErrors("a view of one layer");
+    return view;
+}
+
 size_t Texture::bytes() const {
     size_t texels = 0;
     for (int level = 0; level < levels_; ++level) texels += size_t(std::max(width_ >> level, 1)) * size_t(std::max(height_ >> level, 1));

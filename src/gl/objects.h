@@ -49,6 +49,7 @@ public:
     /// Replaces the first `bytes` (data null: leaves them undefined); grows the storage (new name) when it is too small.
     void update(size_t bytes, const void* data);
     GLuint name() const { return handle_.name(); }
+    explicit operator bool() const { return bool(handle_); }
     size_t bytes() const { return bytes_; }
 
 private:
@@ -62,6 +63,8 @@ public:
     Texture() = default;
     /// Throws base::Error(failed) when the driver has no memory for it.
     Texture(GLenum internalFormat, int width, int height, int layers = 0, int levels = 1);
+    /// One layer of an array, as a 2D texture that shares its texels; they live as long as either.
+    Texture view(int layer) const;
     GLuint name() const { return handle_.name(); }
     int width() const { return width_; }
     int height() const { return height_; }

@@ -117,6 +117,7 @@ void Program::set(const char* u, int v) const { glProgramUniform1i(name(), locat
 void Program::set(const char* u, float v) const { glProgramUniform1f(name(), location(u), v); }
 void Program::set(const char* u, const glm::vec2& v) const { glProgramUniform2fv(name(), location(u), 1, glm::value_ptr(v)); }
 void Program::set(const char* u, const glm::vec3& v) const { glProgramUniform3fv(name(), location(u), 1, glm::value_ptr(v)); }
+void Program::set(const char* u, const glm::dvec3& v) const { glProgramUniform3dv(name(), location(u), 1, glm::value_ptr(v)); }
 void Program::set(const char* u, const glm::vec4& v) const { glProgramUniform4fv(name(), location(u), 1, glm::value_ptr(v)); }
 void Program::set(const char* u, const glm::mat4& v) const {
     glProgramUniformMatrix4fv(name(), location(u), 1, GL_FALSE, glm::value_ptr(v));

@@ -31,6 +31,7 @@ public:
     void set(const char* uniform, float v) const;
     void set(const char* uniform, const glm::vec2& v) const;
     void set(const char* uniform, const glm::vec3& v) const;
+    void set(const char* uniform, const glm::dvec3& v) const;
     void set(const char* uniform, const glm::vec4& v) const;
     void set(const char* uniform, const glm::mat4& v) const;
     void set(const char* uniform, std::span<const glm::mat4> v) const;

@@ -92,10 +92,8 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
     // Alpha is tested as the reference tests it: nearest texel of level 0.
     alphaSampler_ = gl::makeSampler({GL_NEAREST, false, GL_REPEAT});
 
-    for (const scenegen::Instance& instance : scene.instances) {
-        boxes_.push_back(scenegen::instanceBox(prototypes_[instance.prototype].box, instance));
-        box_.extend(boxes_.back());
-    }
+    boxes_.resize(scene.instances.size());
+    instancesMoved();
 
     struct Layout {
         GLenum position, uv, normal;
@@ -132,6 +130,15 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
         }
 }
 
+void GpuScene::instancesMoved() {
+    box_ = {};
+    for (size_t i = 0; i < boxes_.size(); ++i) {
+        const scenegen::Instance& instance = scene_->instances[i];
+        boxes_[i] = scenegen::instanceBox(prototypes_[instance.prototype].box, instance);
+        box_.extend(boxes_[i]);
+    }
+}
+
 size_t GpuScene::bufferBytes() const {
     size_t sum = indices_.bytes();
     for (size_t kind = 0; kind < kKinds; ++kind) sum += vertices_[kind].bytes() + uvs_[kind].bytes();
@@ -144,14 +151,36 @@ size_t GpuScene::textureBytes() const {
     return sum;
 }
 
+const Hierarchy& GpuScene::hierarchy(uint64_t leafTriangles, bool castersOnly) const {
+    auto [entry, made] = hierarchies_.try_emplace({leafTriangles, castersOnly});
+    if (made) {
+        std::vector<base::Box> boxes;
+        std::vector<uint32_t> triangles;
+        for (uint32_t i = 0; i < boxes_.size(); ++i) {
+            const GpuPrototype& prototype = prototypes_[scene_->instances[i].prototype];
+            boxes.push_back(castersOnly && !prototype.castsShadow ? base::Box{} : boxes_[i]);
+            triangles.push_back(uint32_t(prototype.triangles));
+        }
+        entry->second = Hierarchy(boxes, triangles, {.leafTriangles = leafTriangles});
+    }
+    return entry->second;
+}
+
 void GpuScene::collect(const glm::dvec3& eye, const std::function<bool(uint32_t)>& keep, DrawList& list) const {
+    std::vector<uint32_t> kept;
+    for (uint32_t i = 0; i < boxes_.size(); ++i)
+        if (!boxes_[i].empty() && keep(i)) kept.push_back(i);
+    collect(eye, kept, list);
+}
+
+void GpuScene::collect(const glm::dvec3& eye, std::span<const uint32_t> instances, DrawList& list) const {
     struct Item {
         uint32_t instance, prototype;
         double distance;
     };
     std::vector<Item> items;
-    for (uint32_t i = 0; i < boxes_.size(); ++i) {
-        if (boxes_[i].empty() || !keep(i)) continue;
+    items.reserve(instances.size());
+    for (const uint32_t i : instances) {
         const glm::dvec3 nearest = glm::clamp(eye, glm::dvec3(boxes_[i].lo), glm::dvec3(boxes_[i].hi));
         items.push_back({i, scene_->instances[i].prototype, glm::distance(nearest, eye)});
     }
@@ -194,25 +223,44 @@ void GpuScene::setMaterial(uint32_t index, GLuint program) const {
     glBindSampler(1, alphaSampler_.name());
 }
 
+void GpuScene::drawMeshes(uint32_t prototype, Bucket bucket, Attributes attributes, GLuint program, Faces faces, uint32_t& material,
+                          const std::function<void(const GpuMesh&, GLenum)>& submit) const {
+    const GLint gridLocation = glGetUniformLocation(program, "uGrid");
+    for (const GpuMesh& mesh : prototypes_[prototype].meshes) {
+        if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
+        if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, program);
+        (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
+        glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
+        glProgramUniform4fv(program, gridLocation, 1, &mesh.packing.grid.x);
+        submit(mesh, mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT);
+    }
+}
+
 DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces) const {
     DrawCount count;
     for (const auto& arrays : arrays_)
         glVertexArrayVertexBuffer(arrays[int(attributes)].name(), kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
-    const GLint gridLocation = glGetUniformLocation(program, "uGrid");
     uint32_t material = ~0u;
-    for (const DrawList::Range& range : list.ranges)
-        for (const GpuMesh& mesh : prototypes_[range.prototype].meshes) {
-            if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
-            if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, program);
-            (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
-            glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
-            glProgramUniform4fv(program, gridLocation, 1, &mesh.packing.grid.x);
-            glDrawElementsInstancedBaseVertexBaseInstance(
-                GL_TRIANGLES, GLsizei(mesh.indexCount), mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT,
-                reinterpret_cast<const void*>(mesh.indexOffset), GLsizei(range.count), mesh.baseVertex, range.first);
-            ++count.draws;
-            count.triangles += size_t(mesh.indexCount / 3) * range.count;
+    if (list.commands) {
+        glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.commands.name());
+        size_t command = 0;  // of the prototype's first mesh, of either bucket
+        for (uint32_t p = 0; p < prototypes_.size(); ++p) {
+            const GpuMesh* first = prototypes_[p].meshes.data();
+            drawMeshes(p, bucket, attributes, program, faces, material, [&](const GpuMesh& mesh, GLenum type) {
+                glDrawElementsIndirect(GL_TRIANGLES, type, reinterpret_cast<const void*>((command + size_t(&mesh - first)) * sizeof(IndirectCommand)));
+                ++count.draws;
+            });
+            command += prototypes_[p].meshes.size();
         }
+    } else {
+        for (const DrawList::Range& range : list.ranges)
+            drawMeshes(range.prototype, bucket, attributes, program, faces, material, [&](const GpuMesh& mesh, GLenum type) {
+                glDrawElementsInstancedBaseVertexBaseInstance(GL_TRIANGLES, GLsizei(mesh.indexCount), type, reinterpret_cast<const void*>(mesh.indexOffset),
+                                                              GLsizei(range.count), mesh.baseVertex, range.first);
+                ++count.draws;
+                count.triangles += size_t(mesh.indexCount / 3) * range.count;
+            });
+    }
     glDisable(GL_CULL_FACE);
     return count;
 }

@@ -64,6 +64,8 @@ public:
             report(SamplingProgress::Phase::warmup, a);
             guarded(a, [&] { warmUp(arms_[a]); });
         }
+        for (size_t a = 0; a < arms_.size(); ++a)
+            if (arms_[a].result.error.empty()) guarded(a, [&] { arms_[a].subject->beginBlocks(); });
         for (uint64_t round = 0; !finished(); ++round) runRound(round);
         std::vector<ArmResult> results;
         for (size_t a = 0; a < arms_.size(); ++a) results.push_back(finish(a));

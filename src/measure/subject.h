@@ -23,6 +23,8 @@ public:
     /// Renders one frame. `perPass`: time every pass too (with fences around each pass where the back-end
     /// needs them, so that such a frame's own time is not a frame time and is not reported as one).
     virtual void submitFrame(bool perPass) = 0;
+    /// Warming up is over: where a frame depends on those before it, count them anew. Before the first block.
+    virtual void beginBlocks() {}
     /// Waits for all submitted frames; their times in submission order.
     virtual std::vector<FrameTimes> drain() = 0;
 };

@@ -21,10 +21,32 @@ const std::vector<Axis> kAxes{
     {"cascades", "number of maps of a split", {}, 1, 8},
     {"lambda", "weight λ of the logarithmic split", {{"0", "uniform"}, {"0.5", ""}, {"0.75", ""}, {"0.95", ""}, {"1", "logarithmic"}}},
     {"size", "texels along a side of each map", {}, 1, 32768},
+    {"camera", "what the view itself draws",
+     {{"frustum", "instances whose boxes meet the view frustum"},
+      {"none", "everything"},
+      {"chc", "what occlusion queries find visible (Bittner, Wimmer, Piringer, Purgathofer 2004)"},
+      {"chcpp", "the same, with batches, multiqueries and tight bounds (Mattausch, Bittner, Wimmer 2008)"}}},
+    {"leaf", "triangles in a leaf of the hierarchy that occlusion queries go through, at most, unless one instance has more", {}, 1, 1000000000},
+    {"batch", "invisible nodes that gather before chcpp asks about them", {}, 1, 1000},
+    {"assumed-visible", "frames, on average, that chcpp takes a visible leaf for visible without asking", {}, 0, 1000},
     {"cull", "casters left out of a map, or of the volumes",
      {{"none", "none"},
       {"frustum", "those whose shadow cannot reach the part of the view that the map serves"},
-      {"mask", "those whose shadow cannot reach a receiver in sight, found on the GPU"}}},
+      {"mask", "those whose shadow cannot reach a receiver in sight, found on the GPU"},
+      {"chc", "those that other casters hide from the sun, found by occlusion queries in the sun's view (2004)"},
+      {"chcpp", "the same with CHC++: the reference of the receiver masks' paper"},
+      {"receivers", "as chcpp, but queries count only where the map's mask of visible receivers is set (Mattausch et al. 2011)"},
+      {"pyramid", "those that cover no texel that a receiver in sight looks up, or lie behind all such receivers, found on the GPU"}}},
+    {"mask", "what a mask of visible receivers holds, for cull receivers",
+     {{"scatter", "each texel that a visible pixel's look-up reads: exact"},
+      {"box", "the boxes of the instances in sight, enlarged by what look-ups reach: exact, and large"},
+      {"geometry", "their triangles: can miss a receiver between two texel centres"},
+      {"fragment", "those fragments that the camera sees, by the reverse shadow test, nearest first (the paper's listing 1.1): misses "
+                   "receivers between texel centres, and neighbours that a filter reads behind a hidden surface"},
+      {"fragment-or", "the same without depth test: any such fragment sets its texel"}}},
+    {"mask-test", "how an occlusion query reads the mask",
+     {{"sampled", "its fragments look it up and are discarded (the paper's listing 1.2)"},
+      {"stencil", "a stencil bit stops them"}}},
     {"bias", "what moves the receiver off its own surface",
      {{"constant", "along the light"},
       {"slope", "along the light, the least that suffices for the receiver's plane and the filter's kernel"},
@@ -57,26 +79,37 @@ const std::vector<Axis> kAxes{
      {{"stencil", "8 bits that wrap: 256 volumes over one another read as none"},
       {"sum", "32-bit floats, by additive blending: exact to 2^24 volumes"}}},
     {"update", "when maps are rendered",
-     {{"cached", "once; nothing that they depend on changes"}, {"regenerate", "every frame"}}},
+     {{"cached", "when what they depend on has changed: the sun's elevation, a rotation against its azimuth"},
+      {"regenerate", "every frame"},
+      {"moving", "as cached, and every frame those of casters whose shape moves"},
+      {"criterion", "as moving, but a sun that moves makes a map due only when its object's shadow has moved by a texel"},
+      {"round-robin", "those that are behind in turn, budget of them a frame, most-used types first"}}},
+    {"budget", "maps that round-robin renders in a frame, beside those that show nothing of use yet", {}, 1, 2048},
     {"resolution", "texels along a side of an instanced map",
      {{"fixed", "size, for every map"},
       {"estimate", "the power of two between 16 and size that the map is asked for, measured on the receivers in sight"}}},
-    {"exact-casters", "closed casters of at most so many triangles cast stencil shadow volumes, the others instanced maps", {}, 0, 1000000},
+    {"exact-casters", "closed opaque casters of at most so many triangles cast stencil shadow volumes, the others instanced maps", {}, 0, 1000000},
 };
 
+/// Beside what the technique itself has.
+Settings withCamera(Settings settings) {
+    settings.merge(Settings{{"camera", "frustum"}, {"leaf", "10000"}, {"batch", "50"}, {"assumed-visible", "5"}});
+    return settings;
+}
+
 Settings mapPreset(const char* fit, const char* split, const char* cascades, const char* size) {
-    return {{"fit", fit},       {"split", split},      {"cascades", cascades},  {"lambda", "0.75"}, {"size", size},
-            {"cull", "frustum"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}};
+    return withCamera({{"fit", fit},       {"split", split},      {"cascades", cascades},  {"lambda", "0.75"}, {"size", size},
+            {"cull", "frustum"}, {"mask", "scatter"}, {"mask-test", "sampled"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 
 Settings instancedPreset(const char* own) {
-    return {{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
-            {"cull", "frustum"}, {"update", "cached"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}};
+    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+            {"cull", "frustum"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 
 const std::vector<TechniqueInfo> kTechniques{
     {"bare", "baseline", "every instance drawn in one forward pass, nothing culled, no shadow: the yardstick", {}},
-    {"unshadowed", "baseline", "the suite's frame without any shadow pass: what every shadow's cost is added to", {}},
+    {"unshadowed", "baseline", "the suite's frame without any shadow pass: what every shadow's cost is added to", withCamera({})},
     {"uniform", "map", "one map over the whole scene (Williams 1978)", mapPreset("scene", "none", "1", "2048")},
     {"focused", "map", "one map over view frustum ∩ scene (Brabec, Annen, Seidel 2002)", mapPreset("frustum", "none", "1", "2048")},
     {"lispsm", "map", "light-space perspective shadow map (Wimmer, Scherzer, Purgathofer 2004)",
@@ -85,7 +118,7 @@ const std::vector<TechniqueInfo> kTechniques{
     {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 3},
     {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 3},
     {"stencil-volumes", "volume", "shadow volumes of the casters' silhouettes, counted behind the scene (Crow 1977; Everitt & Kilgard 2002)",
-     {{"count", "stencil"}, {"cull", "frustum"}}},
+     withCamera({{"count", "stencil"}, {"cull", "frustum"}})},
 };
 
 template <class Items>
@@ -153,17 +186,25 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         return it != settings.end() && it->second == value;
     };
     const auto number = [&](const char* axisName) { return std::stol(settings.at(axisName)); };
+    const auto differs = [&](const char* axisName) { return !is(axisName, info.defaults.at(axisName).c_str()); };
+    if (info.defaults.contains("camera")) {
+        const auto asks = [&](const char* axisName) { return is(axisName, "chc") || is(axisName, "chcpp") || is(axisName, "receivers"); };
+        if (differs("leaf") && !asks("camera") && !asks("cull")) return "leaf is of the hierarchy that occlusion queries go through";
+        const bool coherent = is("camera", "chcpp") || is("cull", "chcpp") || is("cull", "receivers");
+        if ((differs("batch") || differs("assumed-visible")) && !coherent) return "batch and assumed-visible are CHC++'s";
+    }
     if (info.family == "baseline") return std::nullopt;
     if (info.family == "volume") {
         if (facts.casters && !facts.closed) return "silhouettes need closed casters; this scene has open ones, as foliage of single leaves is";
         if (facts.alphaTested) return "silhouettes follow triangles, not what an alpha test leaves of them";
-        if (is("cull", "mask")) return "receiver masks are for the volumes of instanced maps; silhouettes are culled by frustum";
+        if (!is("cull", "none") && !is("cull", "frustum")) return "silhouettes are culled by frustum";
         return std::nullopt;
     }
     if (number("size") > limits.maxTextureSize)
         return fmt::format("size {} is beyond this GL's limit of {} texels", number("size"), limits.maxTextureSize);
     if (info.family == "map") {
-        if (is("cull", "mask")) return "receiver masks are for the volumes of instanced maps; a map culls by frustum";
+        if (is("cull", "mask")) return "cull mask is for the volumes of instanced maps; a map has receivers and pyramid";
+        if (!is("cull", "receivers") && (differs("mask") || differs("mask-test"))) return "a mask is for cull receivers";
         if (is("split", "none") && number("cascades") > 1) return "split none has one map, so cascades must be 1";
         if (is("split", "practical") && number("cascades") == 1) return "a split into 1 is split none";
         if (is("split", "practical") && is("fit", "scene")) return "fit scene gives every cascade the same window";
@@ -184,7 +225,12 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (number("exact-casters") > 0 && is("accumulate", "stencil")) return "exact casters are counted in the stencil: accumulate min or multiply";
         if (is("resolution", "estimate") && (number("size") < 16 || !std::has_single_bit(unsigned(number("size")))))
             return "estimated sides are powers of two from 16 to size: size must be one";
+        if (facts.translucent && is("accumulate", "min")) return "the darkest of several shadows is not what translucent casters let through: accumulate multiply";
+        if (facts.translucent && is("accumulate", "stencil")) return "a stencil bit stops at the first shadow, but translucent casters' add up: accumulate multiply";
+        if (!is("update", "round-robin") && !is("budget", info.defaults.at("budget").c_str())) return "only update round-robin has a budget";
+        if (is("update", "moving") && !facts.moving) return "nothing moves in this scene: update cached";
         if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";
+        if (!is("cull", "frustum") && !is("cull", "mask")) return "that is for one map's window; the volumes of instanced maps have cull mask";
     }
     return std::nullopt;
 }

@@ -17,6 +17,7 @@ frame::Pass nightPass(frame::Frame& frame) {
 
 Renderer::Renderer(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings)
     : frame_(frame), info_(info), lamps_(frame), hasVisibility_(info.name != "bare"), shadowed_(info.family != "baseline") {
+    if (hasVisibility_) camera_.emplace(frame, settings);
     if (shadowed_ && frame.sunUp()) technique_ = makeTechnique(frame, info, settings);
     if (shadowed_ && !frame.sunUp()) fallback_ = info.name + " → night: the sun is not above the horizon";
     replan();
@@ -28,7 +29,7 @@ void Renderer::replan() {
         passes_.push_back(frame_.barePass());
         return;
     }
-    passes_.push_back(frame_.gbufferPass());
+    passes_.push_back(frame_.gbufferPass(camera_->culling()));
     if (technique_) {
         for (frame::Pass& pass : technique_->passes()) passes_.push_back(std::move(pass));
     } else if (shadowed_) {
@@ -46,7 +47,15 @@ std::vector<float> Renderer::visibility() const {
     return frame_.readVisibility();
 }
 
-std::string Renderer::fallback() const { return technique_ ? technique_->fallback() : fallback_; }
+std::string Renderer::fallback() const {
+    if (!technique_) return fallback_;
+    std::string text = technique_->fallback();
+    if (frame_.scene().facts().translucent && info_.family != "instanced") {
+        if (!text.empty()) text += "; ";
+        text += info_.name + " → opaque casters: only maps of single objects can tell how much light each lets through";
+    }
+    return text;
+}
 
 base::ImageF Renderer::overdraw() {
     frame::PassObserver silent;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "frame/lamps.h"
+#include "shadow/culling.h"
 #include "shadow/technique.h"
 
 #include <optional>
@@ -19,6 +20,10 @@ public:
     const std::vector<frame::Pass>& passes() const { return passes_; }
     void render(frame::PassObserver& observer) { frame::execute(passes_, observer); }
 
+    /// Renders what the technique keeps from frame to frame for the frame's present sun, outside of any frame.
+    void refresh() {
+        if (technique_) technique_->refresh();
+    }
     /// False for `bare`, which has no visibility image.
     bool hasVisibility() const { return hasVisibility_; }
     /// V of the last render(), rows from the top; all lit where the technique is `unshadowed`.
@@ -35,6 +40,7 @@ public:
 private:
     frame::Frame& frame_;
     const TechniqueInfo& info_;
+    std::optional<CameraCulling> camera_;
     frame::Lamps lamps_;
     bool hasVisibility_ = true, shadowed_ = true;
     std::string fallback_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,12 @@ namespace dapple::shadow {
 struct LightMatrix {
     std::string name;
     glm::dmat4 clipFromRelative;  ///< from metres relative to the eye (or as `name` says) to the map's clip space
+};
+
+/// How far maps in use are behind the sun and their objects: 0 where none is.
+struct Staleness {
+    double meanFrames = 0, worstFrames = 0;    ///< since a map last showed what it is used for
+    double meanDegrees = 0, worstDegrees = 0;  ///< of the light's direction
 };
 
 /// One technique with its settings on one frame. In: the G-buffer, the scene on the GPU, the sun. Out: the
@@ -32,6 +39,15 @@ public:
     /// Texels of map() that a look-up can reach now.
     virtual size_t texelsInUse() const { return map() ? size_t(map()->width()) * size_t(map()->height()) * size_t(std::max(map()->layers(), 1)) : 0; }
     size_t mapBytes() const { return map() ? map()->bytes() : 0; }
+    /// Renders what is kept from frame to frame for the frame's present sun and scene, outside of any frame.
+    virtual void refresh() {}
+    /// How far what is kept was behind them in the frame last rendered; empty where nothing is kept.
+    virtual std::optional<Staleness> staleness() const { return std::nullopt; }
+    /// Casters that the last frame drew into the maps, in all of them together. Nothing: the technique draws no map of the scene.
+    struct Casters {
+        size_t instances = 0, triangles = 0;
+    };
+    virtual std::optional<Casters> castersDrawn() const { return std::nullopt; }
     /// Draws the additive fragment count of the technique's own screen-space work into frame.overdrawTarget().
     /// False: it has none, and the overdraw of the geometry is what there is to see.
     virtual bool countOverdraw() { return false; }

@@ -89,7 +89,7 @@ ErrorMetrics measureError(const Reference& reference, std::span<const float> vis
     double sum = 0;
     for (size_t i = 0; i < pixels; ++i) {
         if (!inOmega(reference.label[i])) continue;
-        const double difference = std::abs(double(visibility[i]) - (darkG[i] ? 0.0 : 1.0));
+        const double difference = std::abs(double(visibility[i]) - double(reference.value(i)));
         sum += std::isfinite(difference) ? difference : 1.0;  // no visibility at all is wholly wrong
         if (darkG[i] != darkV[i]) ++wrong[darkG[i]][toG[i] > kBoundaryPixels];
     }
@@ -103,6 +103,20 @@ ErrorMetrics measureError(const Reference& reference, std::span<const float> vis
     m.error = share(wrong[0][0] + wrong[0][1] + wrong[1][0] + wrong[1][1], n.omega);
     measureEdges(boundaryG, boundaryV, toG, toV, m);
     return m;
+}
+
+Flips measureFlips(const Reference& before, const Reference& now, std::span<const float> visibilityBefore, std::span<const float> visibility) {
+    Flips flips;
+    size_t both = 0;
+    for (size_t i = 0; i < now.label.size(); ++i) {
+        if (!inOmega(before.label[i]) || !inOmega(now.label[i])) continue;
+        ++both;
+        const double change = std::abs(double(visibility[i]) - double(visibilityBefore[i]));
+        flips.image += std::isfinite(change) ? change : 1.0;
+        flips.reference += std::abs(double(now.value(i)) - double(before.value(i)));
+    }
+    if (both > 0) flips.image /= double(both), flips.reference /= double(both);
+    return flips;
 }
 
 double referenceFloor(const Reference& reference) {

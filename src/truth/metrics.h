@@ -8,7 +8,7 @@
 namespace dapple::truth {
 
 /// Error of a visibility image V against the reference G, over the valid set Ω = {lit, shadowed}.
-/// V is thresholded at ½ (lit from ½ on) for all but meanAbsolute; a V that is not finite is wholly wrong.
+/// V and G are thresholded at ½ (lit from ½ on) for all but meanAbsolute; a V that is not finite is wholly wrong.
 /// Shares are of |Ω| unless stated; 0 when Ω is empty. The boundary of an image is the pixels of Ω with a
 /// 4-neighbour in Ω of the other class: an excluded or ambiguous neighbour makes no edge.
 struct ErrorMetrics {
@@ -30,6 +30,16 @@ struct ErrorMetrics {
 
 /// `visibility`: width · height of the reference, rows from the top, 0 = shadow, 1 = lit.
 ErrorMetrics measureError(const Reference& reference, std::span<const float> visibility);
+
+/// Change of an image from one frame to the next under a camera that stands still, means over the pixels that are in Ω in
+/// both frames; 0 without any.
+struct Flips {
+    double image = 0;      ///< mean |V − V before|, not thresholded
+    double reference = 0;  ///< the same of G
+    /// Popping: what the image changes more than the truth does. Below 0 where it lags behind.
+    double excess() const { return image - reference; }
+};
+Flips measureFlips(const Reference& before, const Reference& now, std::span<const float> visibilityBefore, std::span<const float> visibility);
 
 /// Reference floor: the error below which a figure says nothing about a technique, a share. It is the
 /// ambiguous share plus the error of half a pixel of discretisation, measured on G itself: half of the mean,

@@ -7,9 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace dapple::truth {
 namespace {
+
+/// Rays may bring a filter of their own: blockers() and transmitted().
+const auto kSceneFlags = RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
 
 int wrap(float coordinate, int size) {
     const double texel = std::floor(double(coordinate) * size);
@@ -54,6 +58,8 @@ Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullpt
     if (!device_) throw base::Error(base::ExitCode::failed, "Embree does not start on this machine: the reference needs it (libembree3)");
     for (const scenegen::Texture& texture : scene.textures) masks_.emplace_back(texture.image);
     prototypes_.resize(scene.prototypes.size());
+    translucent_ = scene.facts().translucent;
+    for (const scenegen::Prototype& prototype : scene.prototypes) transmittances_.push_back(prototype.transmittance);
     std::vector<float> reach(prototypes_.size()), edge(prototypes_.size());
     for (const scenegen::Instance& instance : scene.instances) {
         const uint32_t id = instance.prototype;
@@ -68,17 +74,19 @@ Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullpt
                     edge[id] = std::max(edge[id], prototypes_[id].meshes[m].longestEdge(t));
         }
         instances_.push_back(instance);
+        sceneInstances_.push_back(uint32_t(&instance - scene.instances.data()));
         reach_ = std::max(reach_, reach[id] * instance.scale);
         longestEdge_ = std::max(longestEdge_, edge[id] * instance.scale);
     }
     requireNoError();
 }
 
+/// No light through shared edges; and filters of rays, if rays have any.
 void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
     const std::vector<scenegen::Mesh>& meshes = scene.prototypes[id].meshes;
     Prototype& prototype = prototypes_[id];
     prototype.scene.reset(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(prototype.scene.get(), RTC_SCENE_FLAG_ROBUST);  // no light through shared edges
+    rtcSetSceneFlags(prototype.scene.get(), kSceneFlags);
     rtcSetSceneBuildQuality(prototype.scene.get(), RTC_BUILD_QUALITY_HIGH);
     prototype.meshes.resize(meshes.size());
     for (size_t m = 0; m < meshes.size(); ++m) {
@@ -111,7 +119,7 @@ void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
 
 Occluders::Placement Occluders::placeAround(const glm::dvec3& eye) const {
     Placement placement{SceneHandle(rtcNewScene(device_.get())), {}};
-    rtcSetSceneFlags(placement.scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(placement.scene.get(), kSceneFlags);
     placement.instances.reserve(instances_.size());
     for (const scenegen::Instance& instance : instances_) {
         const glm::vec3 t(glm::dvec3(instance.translation) - eye);
@@ -129,6 +137,76 @@ Occluders::Placement Occluders::placeAround(const glm::dvec3& eye) const {
     rtcCommitScene(placement.scene.get());
     requireNoError();
     return placement;
+}
+
+namespace {
+
+/// What a ray has met. Embree hands the context on to its filter.
+struct Passage {
+    RTCIntersectContext context;
+    const Occluders::Placement* placement = nullptr;
+    const std::vector<float>* transmittances = nullptr;  ///< by prototype
+    std::vector<uint32_t> met;                           ///< instances
+    float product = 1;
+};
+
+/// Called for every triangle that the ray meets, more than once for some: takes note of its instance and lets the ray go on,
+/// unless the instance is opaque.
+void pass(const RTCFilterFunctionNArguments* args) {
+    auto& passage = *reinterpret_cast<Passage*>(args->context);
+    for (unsigned int i = 0; i < args->N; ++i) {
+        if (args->valid[i] != -1) continue;
+        const unsigned int instance = RTCHitN_instID(args->hit, args->N, i, 0);
+        const float transmittance = (*passage.transmittances)[passage.placement->instances[instance].prototype];
+        if (transmittance == 0) {
+            passage.product = 0;
+            continue;
+        }
+        if (std::ranges::find(passage.met, instance) == passage.met.end()) passage.met.push_back(instance);
+        args->valid[i] = 0;
+    }
+}
+
+/// What a ray goes through, all of it.
+struct Notes {
+    RTCIntersectContext context;
+    std::vector<uint32_t>* met = nullptr;
+};
+
+void takeNote(const RTCFilterFunctionNArguments* args) {
+    std::vector<uint32_t>& met = *reinterpret_cast<Notes*>(args->context)->met;
+    for (unsigned int i = 0; i < args->N; ++i) {
+        if (args->valid[i] != -1) continue;
+        const unsigned int instance = RTCHitN_instID(args->hit, args->N, i, 0);
+        if (std::ranges::find(met, instance) == met.end()) met.push_back(instance);
+        args->valid[i] = 0;
+    }
+}
+
+}  // namespace
+
+void Occluders::blockers(const Placement& placement, const glm::vec3& start, const glm::vec3& direction, std::vector<uint32_t>& met) const {
+    Notes notes;
+    rtcInitIntersectContext(&notes.context);
+    notes.context.filter = takeNote;
+    notes.met = &met;
+    RTCRay ray{start.x, start.y, start.z, 0, direction.x, direction.y, direction.z, 0, std::numeric_limits<float>::infinity(), ~0u, 0, 0};
+    rtcOccluded1(placement.scene.get(), &notes.context, &ray);
+}
+
+float Occluders::transmitted(const Placement& placement, const glm::vec3& start, const glm::vec3& direction) const {
+    Passage passage;
+    rtcInitIntersectContext(&passage.context);
+    passage.context.filter = pass;
+    passage.placement = &placement;
+    passage.transmittances = &transmittances_;
+    RTCRay ray{start.x, start.y, start.z, 0, direction.x, direction.y, direction.z, 0, std::numeric_limits<float>::infinity(), ~0u, 0, 0};
+    rtcOccluded1(placement.scene.get(), &passage.context, &ray);
+    if (passage.product == 0) return 0;
+    // In the order of the instances, so that equal sets give equal bits.
+    std::ranges::sort(passage.met);
+    for (const uint32_t instance : passage.met) passage.product *= transmittances_[placement.instances[instance].prototype];
+    return passage.product;
 }
 
 void Occluders::requireNoError() const {

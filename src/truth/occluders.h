@@ -61,6 +61,14 @@ public:
     /// is from Scene::origin and however large the scene. `eye`: metres from Scene::origin.
     Placement placeAround(const glm::dvec3& eye) const;
 
+    /// Product of the transmittances of the instances that the ray meets, each counted once; 1 if it meets none.
+    float transmitted(const Placement& placement, const glm::vec3& start, const glm::vec3& direction) const;
+    /// Adds every instance that the ray meets to `met`, as Placement::instances counts them, each once.
+    void blockers(const Placement& placement, const glm::vec3& start, const glm::vec3& direction, std::vector<uint32_t>& met) const;
+    /// Index into Scene::instances of one of Placement::instances.
+    uint32_t sceneInstance(uint32_t placed) const { return sceneInstances_[placed]; }
+    bool translucent() const { return translucent_; }
+
     bool empty() const { return instances_.empty(); }
     const OccluderMesh& mesh(uint32_t prototype, uint32_t geometry) const { return prototypes_[prototype].meshes[geometry]; }
     float reach() const { return reach_; }              ///< largest scaled coordinate of a prototype, metres
@@ -78,7 +86,10 @@ private:
     std::vector<OpacityMask> masks_;     ///< one per texture
     std::vector<Prototype> prototypes_;  ///< one per prototype of the scene; no scene where it casts nothing
     std::vector<scenegen::Instance> instances_;
+    std::vector<uint32_t> sceneInstances_;  ///< parallel to instances_
     float reach_ = 0, longestEdge_ = 0;
+    std::vector<float> transmittances_;  ///< by prototype
+    bool translucent_ = false;
 };
 
 }  // namespace dapple::truth

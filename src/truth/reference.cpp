@@ -85,8 +85,21 @@ void setEpsilon(Packet& packet, const Occluders& occluders, const Occluders::Pla
     }
 }
 
-void label(Packet& packet, const Occluders& occluders, const Occluders::Placement& placement, glm::vec3 toSun, std::vector<Label>& labels) {
+void label(Packet& packet, const Occluders& occluders, const Occluders::Placement& placement, glm::vec3 toSun, Reference& reference) {
     setEpsilon(packet, occluders, placement);
+    std::vector<Label>& labels = reference.label;
+    if (occluders.translucent()) {
+        for (int i = 0; i < kLanes; ++i) {
+            if (!packet.active[i]) continue;
+            float shares[std::size(kOffsets)];
+            for (size_t k = 0; k < std::size(kOffsets); ++k)
+                shares[k] = occluders.transmitted(placement, packet.position[i] + kOffsets[k] * packet.epsilon[i] * packet.normal[i], toSun);
+            const bool agree = shares[0] == shares[1] && shares[1] == shares[2];
+            labels[packet.pixel[i]] = !agree ? Label::ambiguous : shares[0] >= 0.5f ? Label::lit : Label::shadowed;
+            reference.transmitted[packet.pixel[i]] = shares[0];
+        }
+        return;
+    }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     // Not RTC_INTERSECT_CONTEXT_FLAG_COHERENT: with it, rtcOccluded16 of Embree 3.13.5 (AVX-512) was seen
@@ -106,32 +119,10 @@ void label(Packet& packet, const Occluders& occluders, const Occluders::Placemen
     }
 }
 
-}  // namespace
-
-struct Tracer::Impl {
-    Occluders occluders;
-};
-
-Tracer::Tracer(const scenegen::Scene& scene) : impl_(new Impl{Occluders(scene)}) {}
-Tracer::~Tracer() = default;
-Tracer::Tracer(Tracer&&) noexcept = default;
-Tracer& Tracer::operator=(Tracer&&) noexcept = default;
-
-Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const {
+/// Calls work(packet) for all receivers that face the sun, in blocks of the image, from several threads.
+template <class Work>
+void forEachPacket(const Receivers& receivers, const glm::dvec3& toSun, const Work& work) {
     const int width = receivers.width, height = receivers.height;
-    const size_t pixels = size_t(width) * size_t(height);
-    assert(receivers.position.size() == pixels && receivers.normal.size() == pixels && receivers.present.size() == pixels);
-    Reference reference{width, height, std::vector<Label>(pixels, Label::excluded)};
-
-    const glm::dvec3 toSun = -light;
-    const bool day = toSun.z > 0;
-    if (!day || impl_->occluders.empty()) {
-        for (size_t i = 0; i < pixels; ++i)
-            if (faces(receivers, i, toSun)) reference.label[i] = day ? Label::lit : Label::shadowed;
-        return reference;
-    }
-
-    const Occluders::Placement placement = impl_->occluders.placeAround(eye);
     const int rows = (height + kBlock - 1) / kBlock;
     base::Progress progress("reference", size_t(rows));
     std::mutex progressMutex;
@@ -151,12 +142,62 @@ Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const
                 packet.position[i] = receivers.position[pixel];
                 packet.normal[i] = receivers.normal[pixel];
             }
-            if (any) label(packet, impl_->occluders, placement, glm::vec3(toSun), reference.label);
+            if (any) work(packet);
         }
         ++done;
         if (const std::unique_lock lock(progressMutex, std::try_to_lock); lock) progress.update(done);
     });
+}
+
+}  // namespace
+
+struct Tracer::Impl {
+    Occluders occluders;
+};
+
+Tracer::Tracer(const scenegen::Scene& scene) : impl_(new Impl{Occluders(scene)}) {}
+Tracer::~Tracer() = default;
+Tracer::Tracer(Tracer&&) noexcept = default;
+Tracer& Tracer::operator=(Tracer&&) noexcept = default;
+
+Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const {
+    const int width = receivers.width, height = receivers.height;
+    const size_t pixels = size_t(width) * size_t(height);
+    assert(receivers.position.size() == pixels && receivers.normal.size() == pixels && receivers.present.size() == pixels);
+    Reference reference{width, height, std::vector<Label>(pixels, Label::excluded), {}};
+
+    const glm::dvec3 toSun = -light;
+    const bool day = toSun.z > 0;
+    if (!day || impl_->occluders.empty()) {
+        for (size_t i = 0; i < pixels; ++i)
+            if (faces(receivers, i, toSun)) reference.label[i] = day ? Label::lit : Label::shadowed;
+        return reference;
+    }
+
+    if (impl_->occluders.translucent()) reference.transmitted.assign(pixels, 1.0f);
+    const Occluders::Placement placement = impl_->occluders.placeAround(eye);
+    forEachPacket(receivers, toSun, [&](Packet& packet) { label(packet, impl_->occluders, placement, glm::vec3(toSun), reference); });
     return reference;
+}
+
+std::vector<uint32_t> Tracer::contributors(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const {
+    const Occluders& occluders = impl_->occluders;
+    const glm::dvec3 toSun = -light;
+    if (toSun.z <= 0 || occluders.empty()) return {};
+    const Occluders::Placement placement = occluders.placeAround(eye);
+    std::vector<std::atomic<bool>> contributes(placement.instances.size());
+    forEachPacket(receivers, toSun, [&](Packet& packet) {
+        setEpsilon(packet, occluders, placement);
+        std::vector<uint32_t> met;
+        for (int i = 0; i < kLanes; ++i)
+            if (packet.active[i]) occluders.blockers(placement, packet.position[i] + kOffsets[1] * packet.epsilon[i] * packet.normal[i], glm::vec3(toSun), met);
+        for (const uint32_t placed : met) contributes[placed] = true;
+    });
+    std::vector<uint32_t> instances;
+    for (uint32_t placed = 0; placed < contributes.size(); ++placed)
+        if (contributes[placed]) instances.push_back(occluders.sceneInstance(placed));
+    std::ranges::sort(instances);
+    return instances;
 }
 
 }  // namespace dapple::truth

@@ -28,6 +28,12 @@ enum class Label : uint8_t {
 struct Reference {
     int width = 0, height = 0;
     std::vector<Label> label;
+    /// Share of the sun's light, the product of the transmittances of the distinct instances in its way; labels are then those
+    /// of a threshold of ½. Empty where no caster lets light through: the labels say it all.
+    std::vector<float> transmitted = {};
+
+    /// G of a pixel that is lit or shadowed.
+    float value(size_t pixel) const { return transmitted.empty() ? float(label[pixel] == Label::lit) : transmitted[pixel]; }
 };
 
 /// Ray-traces shadows of one scene with Embree. Building it costs the acceleration structures of the casting
@@ -51,6 +57,9 @@ public:
     /// sun on or below the horizon (light.z ≥ 0) there is no direct light: what faces it is shadowed. A
     /// receiver that is not finite is excluded.
     Reference trace(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const;
+    /// The casters that shadow some receiver, nearest to it or not: those that a ray to the sun meets from a receiver that faces
+    /// it (trace()'s rays at 4 ε). Indices into Scene::instances, ascending.
+    std::vector<uint32_t> contributors(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const;
 
 private:
     struct Impl;

@@ -12,7 +12,7 @@
 #include <optional>
 #include <span>
 
-/// Entry: Header, then the labels, four to a byte, the first in the lowest bits.
+/// Entry: Header, then the labels, four to a byte, the first in the lowest bits; then the shares of light, floats, if there are any.
 namespace dapple::truth {
 namespace {
 
@@ -51,6 +51,7 @@ std::string encode(const Reference& reference, uint64_t key) {
     std::string payload((reference.label.size() + 3) / 4, '\0');
     for (size_t i = 0; i < reference.label.size(); ++i)
         payload[i / 4] = char(uint8_t(payload[i / 4]) | (uint8_t(reference.label[i]) << (2 * (i % 4))));
+    payload.append(reinterpret_cast<const char*>(reference.transmitted.data()), reference.transmitted.size() * sizeof(float));
     Header header;
     header.key = key;
     header.width = reference.width;
@@ -62,7 +63,9 @@ std::string encode(const Reference& reference, uint64_t key) {
 /// Nothing if the bytes are not the entry of that key and size.
 std::optional<Reference> decode(std::string_view bytes, uint64_t key, int width, int height) {
     const size_t pixels = size_t(width) * size_t(height);
-    if (bytes.size() != sizeof(Header) + (pixels + 3) / 4) return std::nullopt;
+    const size_t labels = (pixels + 3) / 4;
+    const bool translucent = bytes.size() == sizeof(Header) + labels + pixels * sizeof(float);
+    if (!translucent && bytes.size() != sizeof(Header) + labels) return std::nullopt;
     const std::string_view payload = bytes.substr(sizeof(Header));
     Header expected;
     expected.key = key;
@@ -70,7 +73,8 @@ std::optional<Reference> decode(std::string_view bytes, uint64_t key, int width,
     expected.height = height;
     expected.payloadHash = hashOf(payload);
     if (std::memcmp(bytes.data(), &expected, sizeof expected) != 0) return std::nullopt;
-    Reference reference{width, height, std::vector<Label>(pixels)};
+    Reference reference{width, height, std::vector<Label>(pixels), std::vector<float>(translucent ? pixels : 0)};
+    std::memcpy(reference.transmitted.data(), payload.data() + labels, reference.transmitted.size() * sizeof(float));
     for (size_t i = 0; i < pixels; ++i) reference.label[i] = Label((uint8_t(payload[i / 4]) >> (2 * (i % 4))) & 3);
     return reference;
 }

@@ -109,5 +109,19 @@ TEST(Sweep, EveryNamedSweepReadsAndOpensWithItsQuestion) {
     EXPECT_EQ(codeOf([] { readSweep("no/such.toml"); }), base::ExitCode::usage);
 }
 
+TEST(Sweep, MotionIsAPathOfTheSun) {
+    const std::string tail = "[[technique]]\nname = \"uniform\"\n";
+    EXPECT_FALSE(parseSweep(kHead + tail, "s.toml").path);
+    const SunPath path = parseSweep(kHead + "[motion]\nsun_azimuth_per_frame = 0.5\nsun_elevation_per_frame = -0.25\nframes = 4\n" + tail, "s.toml").path.value();
+    EXPECT_EQ(path.at({100, 40}, 3).azimuth, 101.5);
+    EXPECT_EQ(path.at({100, 40}, 3).elevation, 39.25);
+    std::vector<int> shown;
+    for (long n = 0; n < 9; ++n) shown.push_back(path.frameOf(n));
+    EXPECT_EQ(shown, (std::vector<int>{0, 1, 2, 3, 2, 1, 0, 1, 2}));
+    EXPECT_NE(complaint(kHead + "[motion]\nframes = 4\n" + tail).find("sun_azimuth_per_frame"), std::string::npos);
+    EXPECT_NE(complaint(kHead + "[motion]\nsun_elevation_per_frame = 1\nframes = 1\n" + tail).find("frames"), std::string::npos);
+    EXPECT_NE(complaint(kHead + "[motion]\nsun_elevation_per_frame = 1\nspeed = 1\n" + tail).find("speed"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace dapple::bench

@@ -53,6 +53,34 @@ TEST_F(CountersGl, SamplesAreExactAndHalvedByDiscard) {
     }
 }
 
+TEST_F(CountersGl, APassMayAskOcclusionQueriesOfItsOwn) {
+    const auto all = program(kQuad, "value = 1;");
+    GLuint query = 0;
+    glGenQueries(1, &query);
+    const auto ask = [&](Counters& counters, bool says) {
+        counters.begin("pass", says);
+        glUseProgram(all.name());
+        glBeginQuery(GL_ANY_SAMPLES_PASSED, query);
+        const GLenum error = glGetError();
+        glDrawArrays(GL_TRIANGLES, 0, 6);
+        if (error == GL_NO_ERROR) glEndQuery(GL_ANY_SAMPLES_PASSED);
+        counters.end();
+        return error;
+    };
+    Counters counters;
+    EXPECT_EQ(ask(counters, false), GLenum(GL_INVALID_OPERATION));  // why it has to say so
+    EXPECT_EQ(ask(counters, true), GLenum(GL_NO_ERROR));
+    const auto passes = counters.results();
+    EXPECT_EQ(passes[0].value(metric::kSamplesPassed), kPixels);
+    EXPECT_FALSE(passes[1].value(metric::kSamplesPassed));
+    EXPECT_NE(passes[1].values[0].missing, "");
+    EXPECT_EQ(passes[1].value(metric::kVertexInvocations), passes[0].value(metric::kVertexInvocations));
+    GLuint any = 0;
+    glGetQueryObjectuiv(query, GL_QUERY_RESULT, &any);
+    EXPECT_EQ(any, 1u);
+    glDeleteQueries(1, &query);
+}
+
 // 65,536 triangles, each over the pixels (0,0), (1,0) and (0,1) of its own block of 4 × 4 pixels: a shader runs on
 // whole quads of 2 × 2 at least, so that four invocations are spent on three samples.
 TEST_F(CountersGl, TinyTrianglesOvershade) {

@@ -56,6 +56,12 @@ TEST_F(ExactCasters, OfNoneAndOfAllIsOneTechniqueAlone) {
     EXPECT_EQ(leftOut, 2 * open.views.size());
     EXPECT_EQ(visibility(closed, "instanced", {{"exact-casters", "12"}}), visibility(closed, "stencil-volumes", {}));
     EXPECT_EQ(visibility(closed, "instanced", {{"exact-casters", "11"}}), visibility(closed, "instanced", {})) << "the box has 12 triangles";
+    scenegen::Scene translucent = closed;
+    for (scenegen::Prototype& prototype : translucent.prototypes)
+        if (prototype.castsShadow) prototype.transmittance = 0.5f;
+    const std::vector<float> half = visibility(translucent, "instanced", {{"exact-casters", "12"}, {"accumulate", "multiply"}});
+    EXPECT_GT(std::ranges::count(half, 0.5f), 100) << "a counted volume would let nothing through";
+    EXPECT_EQ(half, visibility(translucent, "instanced", {{"accumulate", "multiply"}}));
 }
 
 }  // namespace

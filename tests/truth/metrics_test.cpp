@@ -218,5 +218,16 @@ TEST(ReferenceFloor, IsHalfOfAOnePixelShift) {
     EXPECT_DOUBLE_EQ(referenceFloor(image({"LLLA"})), 0.25);
 }
 
+TEST(Flips, CountOnlyWhatIsValidInBothFrames) {
+    const Reference before = image({"LLSSA.", "LLSS.A"}), now = image({"LSSLLL", "ALS.SS"});
+    const std::vector<float> v0{1, 1, 0, 0.5f, 0, 0, 1, 0, 0, 0, 0, 0}, v1{1, 0, 0.25f, 0.5f, 1, 1, 0, 1, 0, 1, 1, 1};
+    // Both valid: the first four pixels of the first row, the second and third of the second.
+    const Flips flips = measureFlips(before, now, v0, v1);
+    EXPECT_DOUBLE_EQ(flips.image, (1 + 0.25 + 1) / 6);
+    EXPECT_DOUBLE_EQ(flips.reference, 2.0 / 6);
+    EXPECT_DOUBLE_EQ(flips.excess(), 0.25 / 6);
+    EXPECT_EQ(measureFlips(image({"A."}), image({"LL"}), std::vector<float>{0, 0}, std::vector<float>{1, 1}).image, 0);
+}
+
 }  // namespace
 }  // namespace dapple::truth

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 namespace dapple::truth::test {
@@ -44,6 +45,37 @@ Expected boxShadow(const dvec3& p, const dvec3& toSun, const dvec3& lo, const dv
     if (!hitsBox(p, toSun, lo - band, hi + band)) return Expected::lit;
     const bool thick = glm::all(glm::greaterThan(hi - lo, dvec3(2 * band)));
     return thick && hitsBox(p, toSun, lo + band, hi - band) ? Expected::shadowed : Expected::either;
+}
+
+// A row of boxes over a plane: those contribute whose shadow falls on the patch, by the closed form; one hidden from the sun
+// by another counts as well.
+TEST(ReferenceTest, ContributorsAreTheCastersBetweenReceiversAndSun) {
+    std::vector<scenegen::Mesh> meshes;
+    for (int i = 0; i < 12; ++i) meshes.push_back(boxMesh({-9 + 1.5 * i, 2, 1}, {-8.2 + 1.5 * i, 2.6, 2}));
+    meshes.push_back(boxMesh({-0.5, 2, 4}, {0.5, 2.6, 5}));
+    scenegen::Scene scene = sceneOf({});
+    scene.prototypes.clear();
+    scene.instances.clear();
+    for (const scenegen::Mesh& mesh : meshes) {
+        scene.instances.push_back({vec3(0), 1, 0, uint32_t(scene.prototypes.size())});
+        scene.prototypes.push_back({"caster", {mesh}, true, false});
+    }
+    const dvec3 eye(0, -8, 3);
+    const Tracer tracer(scene);
+    const Patch patch = patchOf(planeGrid(80, 2), 80, eye);
+    for (const dvec3& light : suns()) {
+        const std::vector<uint32_t> found = tracer.contributors(patch.receivers, eye, light);
+        for (uint32_t i = 0; i < meshes.size(); ++i) {
+            const base::Box box = scene.prototypes[scene.instances[i].prototype].box();
+            const auto hits = [&](double band) {
+                return std::ranges::any_of(patch.points, [&](const Point& p) { return hitsBox(p.position, -light, dvec3(box.lo) - band, dvec3(box.hi) + band); });
+            };
+            const bool there = std::ranges::binary_search(found, i);
+            EXPECT_TRUE(there || !hits(-kBand)) << i;
+            EXPECT_TRUE(!there || hits(kBand)) << i;
+        }
+    }
+    EXPECT_TRUE(tracer.contributors(patch.receivers, eye, {0, 0, 1}).empty()) << "by night";
 }
 
 TEST(ReferenceTest, BoxOnPlane) {

@@ -42,10 +42,15 @@ Counters::~Counters() {
     for (Pass& pass : passes_) glDeleteQueries(GLsizei(pass.queries.size()), pass.queries.data());
 }
 
-void Counters::begin(std::string_view pass) {
-    passes_.push_back({std::string(pass), std::vector<GLuint>(targets_.size(), 0)});
+std::string Counters::missing(const Target& target, bool asksOcclusion) {
+    if (asksOcclusion && target.target == GL_SAMPLES_PASSED && target.missing.empty()) return "the pass asks occlusion queries of its own";
+    return target.missing;
+}
+
+void Counters::begin(std::string_view pass, bool asksOcclusion) {
+    passes_.push_back({std::string(pass), asksOcclusion, std::vector<GLuint>(targets_.size(), 0)});
     for (size_t i = 0; i < targets_.size(); ++i) {
-        if (!targets_[i].missing.empty()) continue;
+        if (!missing(targets_[i], asksOcclusion).empty()) continue;
         // Not glCreateQueries: Mesa (22.3) refuses it the statistics targets that glBeginQuery takes.
         glGenQueries(1, &passes_.back().queries[i]);
         glBeginQuery(targets_[i].target, passes_.back().queries[i]);
@@ -54,7 +59,7 @@ void Counters::begin(std::string_view pass) {
 
 void Counters::end() {
     for (const Target& t : targets_)
-        if (t.missing.empty()) glEndQuery(t.target);
+        if (missing(t, passes_.back().asksOcclusion).empty()) glEndQuery(t.target);
 }
 
 std::vector<PassCounters> Counters::results() {
@@ -62,7 +67,7 @@ std::vector<PassCounters> Counters::results() {
     for (Pass& pass : passes_) {
         results.push_back({pass.name, {}});
         for (size_t i = 0; i < targets_.size(); ++i) {
-            CounterValue value{targets_[i].metric, {}, targets_[i].missing};
+            CounterValue value{targets_[i].metric, {}, missing(targets_[i], pass.asksOcclusion)};
             if (value.missing.empty()) {
                 GLuint64 count = 0;
                 glGetQueryObjectui64v(pass.queries[i], GL_QUERY_RESULT, &count);

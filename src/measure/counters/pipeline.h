@@ -29,7 +29,8 @@ struct PassCounters {
 
 /// GL queries around the passes of an untimed frame: samples_passed, fragment_invocations,
 /// vertex_invocations, primitives_submitted (ARB_pipeline_statistics_query). All are active at once, so that a
-/// pass must not run a SAMPLES_PASSED or statistics query of its own.
+/// pass must not run a statistics query of its own, nor, unless it says so, an occlusion query: GL 4.5 (section 4.2) allows
+/// one active query for SAMPLES_PASSED and the two ANY_SAMPLES_PASSED together.
 /// Needs a current GL 4.5 context until it is destroyed.
 class Counters {
 public:
@@ -38,7 +39,8 @@ public:
     Counters(const Counters&) = delete;
     Counters& operator=(const Counters&) = delete;
 
-    void begin(std::string_view pass);
+    /// `asksOcclusion`: the pass runs occlusion queries of its own; its samples_passed is missing for that reason.
+    void begin(std::string_view pass, bool asksOcclusion = false);
     void end();
     /// Waits for all passes since the last call; their counts in the order of begin().
     std::vector<PassCounters> results();
@@ -51,8 +53,10 @@ private:
     };
     struct Pass {
         std::string name;
-        std::vector<GLuint> queries;  ///< parallel to targets_; 0 where missing
+        bool asksOcclusion = false;
+        std::vector<GLuint> queries{};  ///< parallel to targets_; 0 where missing
     };
+    static std::string missing(const Target& target, bool asksOcclusion);
     std::vector<Target> targets_;
     std::vector<Pass> passes_;
 };

@@ -19,6 +19,9 @@ public:
     /// So many stand first in the list whose volumes do not hold the eye, nor reach the near plane.
     size_t notAboutEye() const { return notAboutEye_; }
     const Extrusion& extrusion() const { return extrusion_; }
+    /// By type, how many casters of the list look its maps up; by map, whether one does.
+    std::vector<uint32_t> uses() const;
+    std::vector<bool> mapsInUse() const;
 
 private:
     struct GpuCaster {
@@ -32,11 +35,14 @@ private:
     static_assert(sizeof(GpuCaster) == 48);
 
     void uploadTypes();
+    double strayOf(const CasterType& type) const;
     GpuCaster casterOf(uint32_t instance) const;
     bool holdsEye(const GpuCaster& caster) const;
 
     const frame::Frame& frame_;
     const CasterMaps& maps_;
+    double sunTurn_ = 0;
+    std::vector<float> strays_;  ///< by type: metres by which shadows of maps of an earlier sun may leave the present one's volume
     std::vector<GpuCaster> casters_;
     size_t notAboutEye_ = 0;
     Extrusion extrusion_;

@@ -15,14 +15,14 @@ using gpuscene::Bucket;
 
 bool castsExactly(const scenegen::Scene& scene, const scenegen::Prototype& prototype, const Settings& settings) {
     const auto limit = size_t(std::stoul(settings.at("exact-casters")));
-    return prototype.closed && prototype.triangles() <= limit &&
+    return prototype.closed && prototype.transmittance == 0 && prototype.triangles() <= limit &&
            std::none_of(prototype.meshes.begin(), prototype.meshes.end(), [&](const scenegen::Mesh& mesh) { return scene.materials[mesh.material].alphaTested; });
 }
 
 CasterMaps::CasterMaps(const frame::Frame& frame, const Settings& settings)
     : frame_(frame), scene_(frame.scene()),
-      // Cached maps must not depend on the view, so neither does their basis.
-      basis_(lightBasis(frame.light(), {0, 0, 1})), size_(settings.at("resolution") == "estimate" ? SizeChooser::kLeast : std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
+      heading_(sunAngles(frame.light()).heading), policy_(settings),
+      size_(settings.at("resolution") == "estimate" ? SizeChooser::kLeast : std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
     makeTypes(settings);
     if (types_.empty()) return;
     atlas_.arrange(sides_, due_);
@@ -40,11 +40,11 @@ void CasterMaps::resize(const std::vector<int>& sides) {
 }
 
 void CasterMaps::addType(CasterType type) {
-    type.firstMap = int(windows_.size());
-    windows_.resize(windows_.size() + type.angles.size());
-    sides_.resize(windows_.size(), size_);
-    rotated_.data.resize(windows_.size());
-    rotated_.ranges.resize(windows_.size());
+    type.firstMap = int(maps_.size());
+    for (size_t k = 0; k < type.angles.size(); ++k) maps_.push_back({poseOf(type, k), {}});
+    sides_.resize(maps_.size(), size_);
+    rotated_.data.resize(maps_.size());
+    rotated_.ranges.resize(maps_.size());
     fit(type);
     types_.push_back(std::move(type));
 }
@@ -67,7 +67,7 @@ void CasterMaps::makeTypes(const Settings& settings) {
         int& known = ofPrototype[instance.prototype];
         if (known < 0) {
             known = int(shared.size());
-            shared.push_back({instance.prototype, 0, {double(instance.yaw)}, {}});
+            shared.push_back({instance.prototype, i, 0, {double(instance.yaw)}, false, {}, 0});
             turned.push_back(false);
         }
         turned[size_t(known)] = turned[size_t(known)] || double(instance.yaw) != shared[size_t(known)].angles[0];
@@ -79,6 +79,7 @@ void CasterMaps::makeTypes(const Settings& settings) {
         for (size_t k = 0; k < shared.size(); ++k) {
             if (turned[k]) {
                 shared[k].angles.clear();
+                shared[k].ring = true;
                 for (int r = 0; r < rotations; ++r) shared[k].angles.push_back(2 * std::numbers::pi * r / rotations);
             }
             addType(shared[k]);
@@ -89,12 +90,29 @@ void CasterMaps::makeTypes(const Settings& settings) {
         const scenegen::Instance& instance = scene.instances[casting[k]];
         ownerOf_.push_back(casting[k]);
         typeOf_[casting[k]] = int(types_.size());
-        addType({instance.prototype, 0, {double(instance.yaw)}, {}});
+        addType({instance.prototype, casting[k], 0, {double(instance.yaw)}, false, {}, 0});
     }
 }
 
-void CasterMaps::setAllDue() {
-    for (int map = 0; map < int(windows_.size()); ++map) due_.insert(map);
+double CasterMaps::sunTurn() const { return std::remainder(sunAngles(frame_.light()).heading - heading_, 2 * std::numbers::pi); }
+
+MapPose CasterMaps::poseOf(const CasterType& type, size_t k) const {
+    const double yaw = type.ring ? type.angles[k] : double(scene_.scene().instances[type.instance].yaw) - sunTurn();
+    return {yaw, sunAngles(frame_.light()).elevation};
+}
+
+std::vector<UpdatePolicy::Map> CasterMaps::wanted() const {
+    std::vector<UpdatePolicy::Map> result;
+    for (size_t t = 0; t < types_.size(); ++t) {
+        const CasterType& type = types_[t];
+        const base::Box& box = scene_.prototypes()[type.prototype].box;
+        for (size_t k = 0; k < type.angles.size(); ++k) {
+            const size_t map = size_t(type.firstMap) + k;
+            const double texel = 2 / (double(std::max(maps_[map].window.z, maps_[map].window.w)) * sides_[map]);
+            result.push_back({poseOf(type, k), texel, double(box.hi.z - box.lo.z), uint32_t(t), scene_.scene().prototypes[type.prototype].moving});
+        }
+    }
+    return result;
 }
 
 void CasterMaps::choose() {
@@ -122,7 +140,9 @@ void CasterMaps::choose() {
         typeOf_[instance] = int(firstOwn_ + k);
         ownerOf_[k] = instance;
         type.prototype = scene.instances[instance].prototype;
+        type.instance = instance;
         type.angles = {double(scene.instances[instance].yaw)};
+        maps_[size_t(type.firstMap)].pose = poseOf(type, 0);
         fit(type);
         due_.insert(type.firstMap);
         changed = true;
@@ -133,21 +153,23 @@ void CasterMaps::choose() {
 void CasterMaps::fit(CasterType& type) {
     type.box = scene_.prototypes()[type.prototype].box;
     double texel = 0;
-    type.depthNear = 1e300, type.depthFar = -1e300;
     for (size_t k = 0; k < type.angles.size(); ++k) {
         const size_t map = size_t(type.firstMap) + k;
+        CasterMap& m = maps_[map];
+        const LightBasis basis = SunAngles{heading_, m.pose.elevation}.basis();
         const double share = std::max(0.5, 1 - 2 * pad_ / sides_[map]);
-        const double c = std::cos(type.angles[k]), s = std::sin(type.angles[k]);
+        const double c = std::cos(m.pose.yaw), s = std::sin(m.pose.yaw);
         base::DBox bounds;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::dvec3 q(type.box.corner(corner));
-            bounds.extend(basis_.toLight({c * q.x - s * q.y, s * q.x + c * q.y, q.z}));
+            bounds.extend(basis.toLight({c * q.x - s * q.y, s * q.x + c * q.y, q.z}));
         }
         const glm::dvec3 half = glm::max(bounds.halfSize(), glm::dvec3(1e-6)) / glm::dvec3(share, share, 1);
-        windows_[map] = {bounds.centre().x, bounds.centre().y, 1 / half.x, 1 / half.y};
-        type.depthNear = std::min(type.depthNear, bounds.lo.z);
-        type.depthFar = std::max(type.depthFar, bounds.hi.z);
-        texel = std::max(texel, 2 * std::max(half.x, half.y) / sides_[map]);
+        m.window = {bounds.centre().x, bounds.centre().y, 1 / half.x, 1 / half.y};
+        const double side = 2 * std::max(half.x, half.y) / sides_[map];
+        m.depthNear = bounds.lo.z - side;
+        m.depthFar = bounds.hi.z + side;
+        texel = std::max(texel, side);
         rotated_.ranges[map] = {type.prototype, uint32_t(map), 1};
         rotated_.data[map] = {glm::vec3(0), 1, {float(c), float(s)}};
     }
@@ -155,44 +177,66 @@ void CasterMaps::fit(CasterType& type) {
     type.pad = float(pad_ * texel);
     type.box.lo -= type.pad;
     type.box.hi += type.pad;
-    type.depthNear -= texel;
-    type.depthFar += texel;
 }
 
-glm::dmat4 CasterMaps::clip(const CasterType& type, int k) const {
-    const glm::vec4& w = windows_[size_t(type.firstMap + k)];
-    const double range = type.depthFar - type.depthNear;
-    return glm::transpose(glm::dmat4(glm::dvec4(basis_.u * double(w.z), -double(w.x) * w.z), glm::dvec4(basis_.v * double(w.w), -double(w.y) * w.w),
-                                     glm::dvec4(basis_.l / range, -type.depthNear / range), glm::dvec4(0, 0, 0, 1)));
+glm::dmat4 CasterMaps::clip(const CasterMap& map, double heading) const {
+    const LightBasis basis = SunAngles{heading, map.pose.elevation}.basis();
+    const glm::dvec4 w(map.window);
+    const double range = map.depthFar - map.depthNear;
+    return glm::transpose(glm::dmat4(glm::dvec4(basis.u * w.z, -w.x * w.z), glm::dvec4(basis.v * w.w, -w.y * w.w),
+                                     glm::dvec4(basis.l / range, -map.depthNear / range), glm::dvec4(0, 0, 0, 1)));
 }
 
 std::vector<LightMatrix> CasterMaps::matrices() const {
     std::vector<LightMatrix> result;
+    const double turn = sunTurn();
     for (const CasterType& type : types_)
-        for (size_t k = 0; k < type.angles.size(); ++k)
+        for (size_t k = 0; k < type.angles.size(); ++k) {
+            const CasterMap& map = maps_[size_t(type.firstMap) + k];
             result.push_back({fmt::format("prototype '{}' rotated by {:.6g} degrees, relative to its own origin",
-                                          scene_.scene().prototypes[type.prototype].name, glm::degrees(type.angles[k])), clip(type, int(k))});
+                                          scene_.scene().prototypes[type.prototype].name, glm::degrees(map.pose.yaw + turn)), clip(map, heading_ + turn)});
+        }
     return result;
 }
 
-void CasterMaps::render(measure::Ledger& tally) {
-    if (due_.empty()) return;
+void CasterMaps::render(std::span<const uint32_t> uses, measure::Ledger& tally) {
+    for (const int map : due_) policy_.forget(map);
+    due_.clear();
+    draw(policy_.due(wanted(), uses), tally);
+}
+
+void CasterMaps::renderAll(measure::Ledger& tally) {
+    due_.clear();
+    draw(policy_.renderAll(wanted()), tally);
+}
+
+void CasterMaps::draw(const std::vector<int>& maps, measure::Ledger& tally) {
+    if (maps.empty()) return;
+    auto next = maps.begin();  // sorted, as the types' maps are
+    for (CasterType& type : types_) {
+        const auto end = std::lower_bound(next, maps.end(), type.firstMap + int(type.angles.size()));
+        bool moved = false;
+        for (; next != end; ++next) {
+            MapPose& pose = maps_[size_t(*next)].pose;
+            const MapPose& shown = policy_.shown(*next);
+            moved |= pose.yaw != shown.yaw || pose.elevation != shown.elevation;
+            pose = shown;
+        }
+        if (moved) fit(type);
+        version_ += moved;
+    }
     rotated_.upload();
     const std::vector<gpuscene::DrawList::Range> all = rotated_.ranges;
     glEnable(GL_DEPTH_TEST);
-    for (const CasterType& type : types_)
-        for (size_t k = 0; k < type.angles.size(); ++k) {
-            const int map = type.firstMap + int(k);
-            if (!due_.contains(map)) continue;
-            atlas_.target(map);
-            const float one = 1;
-            glClearBufferfv(GL_DEPTH, 0, &one);
-            tally.texelsWritten += size_t(sides_[size_t(map)]) * size_t(sides_[size_t(map)]);
-            rotated_.ranges = {all[size_t(map)]};
-            drawCasters(scene_, rotated_, clip(type, int(k)), depth_, depthAlpha_, tally);
-        }
+    for (const int map : maps) {
+        atlas_.target(map);
+        const float one = 1;
+        glClearBufferfv(GL_DEPTH, 0, &one);
+        tally.texelsWritten += size_t(sides_[size_t(map)]) * size_t(sides_[size_t(map)]);
+        rotated_.ranges = {all[size_t(map)]};
+        drawCasters(scene_, rotated_, clip(maps_[size_t(map)], heading_), depth_, depthAlpha_, tally);
+    }
     rotated_.ranges = all;
-    due_.clear();
 }
 
 }  // namespace dapple::shadow

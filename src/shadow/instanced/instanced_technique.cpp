@@ -13,7 +13,7 @@
 namespace dapple::shadow {
 namespace {
 
-constexpr int kReceiverTile = 64;  ///< pixels, a multiple of 16; 16 spares at most 2 % more fragments (sweep mask-bound)
+constexpr int kReceiverTile = 64;  ///< pixels, a multiple of 16; 16 spares at most 2.8 % more fragments (sweep mask-bound)
 constexpr size_t kSurvivorBytes = 12;  ///< of lib/survivor.glsl
 constexpr int kTile = 16;          ///< of instanced_tiled.comp
 
@@ -28,21 +28,26 @@ public:
                            SilhouetteVolumes::Count::stencil, true, start_.depth());
         const gl::Texture* visibility[] = {&frame_.visibility()};
         volumeTarget_ = gl::makeFramebuffer(visibility, ownDepth_ ? &start_.depth() : &frame_.depth());
+        refresh();
+    }
+
+    void refresh() override {
         if (maps_.types().empty()) return;
         measure::Ledger ignored;
         if (is("resolution", "estimate")) {
-            chooser_.emplace(std::stoi(settings.at("size")));
-            demand_.emplace(frame, lookUpDefines(), std::stoi(settings.at("size")));
-            // The first frame has sizes that were measured, too; this is not yet a frame and may wait.
+            // The first frame has sizes that were measured, too, and no others; this is not yet a frame and may wait.
+            const int most = std::stoi(settings_.at("size"));
+            chooser_.emplace(most);
+            demand_.emplace(frame_, lookUpDefines(), most);
             frame::PassObserver silent;
             const std::vector<frame::Pass> gbuffer{frame_.gbufferPass()};
             frame::execute(gbuffer, silent);
             estimate(ignored);
             maps_.resize(chooser_->update(*demand_->result(true)));
         }
-        if (!is("update", "cached")) return;
+        if (is("update", "regenerate")) return;  // every frame does
         gl::resetState();
-        maps_.render(ignored);
+        maps_.renderAll(ignored);
         gl::resetState();
     }
 
@@ -52,17 +57,16 @@ public:
         std::string mapsLeftOut, leftOut;
         const bool exact = exact_ && !exact_->empty();
         if (maps_.types().empty()) mapsLeftOut = leftOut = exact ? "every caster casts exactly" : "the scene has no caster";
-        else if (is("update", "cached") && !maps_.due() && !chooser_) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
+        else if (!maps_.outdated() && !chooser_) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes;
-        if (maps_.windows().size() == maps_.types().size() && !is("rotations", "1"))
+        if (maps_.maps().size() == maps_.types().size() && !is("rotations", "1"))
             passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
         if (chooser_)
             passes.push_back({"estimate", {"gbuffer", "depth"}, {"demand"}, "texels that each map is asked for", leftOut, [this](Ledger& tally) { estimate(tally); }});
-        passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.windows().size(), maps_.types().size()), mapsLeftOut,
+        passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.maps().size(), maps_.types().size()), mapsLeftOut,
                           [this](Ledger& tally) {
                               if (const auto demands = chooser_ ? demand_->result() : std::nullopt) maps_.resize(chooser_->update(*demands));
-                              if (is("update", "regenerate")) maps_.setAllDue();
-                              maps_.render(tally);
+                              maps_.render(casters_.uses(), tally);
                           }});
         if (is("apply", "tiled") && leftOut.empty()) {
             passes.push_back({"tiles", {"gbuffer", "depth", "maps"}, {"visibility"}, "each tile of the screen finds its casters, each pixel asks them", "",
@@ -89,6 +93,7 @@ public:
     }
 
     std::vector<LightMatrix> matrices() const override { return maps_.matrices(); }
+    std::optional<Staleness> staleness() const override { return maps_.staleness(casters_.mapsInUse()); }
     const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.atlas().texture(); }
 
     size_t texelsInUse() const override { return maps_.atlas().texelsInUse(); }
@@ -132,6 +137,7 @@ private:
         std::vector<std::string> volume = look;
         if (is("apply", "skip")) volume.push_back("SKIP_TEST");
         if (masked()) volume.push_back("MASKED");
+        if (frame_.scene().facts().translucent) volume.push_back("TRANSLUCENT");
         if (is("apply", "tiled")) {
             resolve_ = gl::Program::compute("shadow/instanced_tiled.comp", look);
         } else if (is("apply", "all")) {
@@ -157,8 +163,8 @@ private:
     /// Everything that a look-up reads.
     void bind(const gl::Program& program) {
         frame_.setView(program);
-        program.set("uBasisU", glm::vec3(maps_.basis().u));
-        program.set("uBasisV", glm::vec3(maps_.basis().v));
+        const double heading = sunAngles(frame_.light()).heading;
+        program.set("uHeading", glm::vec2(std::cos(heading), std::sin(heading)));
         program.set("uBiasScale", std::stof(settings_.at("bias-scale")));
         program.set("uCasters", int(casters_.size()));
         frame_.bindGeometry();
@@ -171,7 +177,7 @@ private:
     void estimate(measure::Ledger& tally) {
         gl::finishTriangles();
         casters_.collect();
-        demand_->record(maps_.windows().size(), [this](const gl::Program& program) {
+        demand_->record(maps_.maps().size(), [this](const gl::Program& program) {
             program.set("uPadTexels", float(maps_.padTexels()));
             bind(program);
         }, tally);

@@ -96,6 +96,7 @@ LightFit lispsm(const LightBasis& basis, const frame::Camera& camera, const std:
     fit.maxTexel = std::max(along, across);
     const double slack = fit.maxTexel / minW, zLo = projected.lo.z - slack, zRange = projected.hi.z + slack - zLo;
     fit.depthRange = zRange * maxW;
+    fit.leastW = minW;
     fit.clipFromRelative = compose(basis, (x - w * centre.x) / half.x, (y - w * centre.y) / half.y, (z - w * zLo) / zRange, w);
     return fit;
 }

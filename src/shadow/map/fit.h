@@ -25,6 +25,7 @@ struct LightFit {
     glm::dmat4 clipFromRelative{1};  ///< clip z in [0, 1] over the receivers; casters before it rely on depth clamp
     double maxTexel = 0;             ///< metres: longest side of a texel's footprint across the light, over the body
     double depthRange = 0;           ///< metres along l that clip z 0…1 spans at the body (its longest, under a warp)
+    double leastW = 1;               ///< clip w of the body's nearest point to the warp's centre
     bool empty = false;              ///< no receiver can be in view: no map is needed
     std::string fallback;            ///< why a warp was given up; empty otherwise
 };

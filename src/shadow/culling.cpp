@@ -1,0 +1,34 @@
+#include "shadow/culling.h"
+
+namespace dapple::shadow {
+
+visibility::ViewCulling::Options cullOptions(const Settings& settings, const std::string& method, bool castersOnly) {
+    visibility::ViewCulling::Options options;
+    options.settings.algorithm = method == "chc" ? visibility::Algorithm::chc : visibility::Algorithm::chcpp;
+    options.settings.batch = std::stoi(settings.at("batch"));
+    options.settings.assumedVisible = std::stoi(settings.at("assumed-visible"));
+    options.leafTriangles = std::stoull(settings.at("leaf"));
+    options.castersOnly = castersOnly;
+    return options;
+}
+
+CameraCulling::CameraCulling(const frame::Frame& frame, const Settings& settings)
+    : frame_(frame), everything_(settings.at("camera") == "none") {
+    const std::string& method = settings.at("camera");
+    if (method == "chc" || method == "chcpp") view_ = std::make_unique<visibility::ViewCulling>(frame.scene(), cullOptions(settings, method, false));
+}
+
+frame::Frame::Culling CameraCulling::culling() {
+    if (everything_)
+        return [this](const gpuscene::Submit& submit) {
+            frame_.scene().collect(frame_.camera().eye, [](uint32_t) { return true; }, list_);
+            submit(list_);
+        };
+    if (!view_) return {};
+    return [this](const gpuscene::Submit& submit) {
+        const frame::Camera& camera = frame_.camera();
+        view_->draw(visibility::CullView::camera(camera.eye, camera.clipFromRelative, camera.near), {.width = camera.width, .height = camera.height}, submit);
+    };
+}
+
+}  // namespace dapple::shadow

@@ -1,0 +1,115 @@
+// Figures of a moving sun, against runs in which it stands still at each place of its path.
+#include "bench/gl_workbench.h"
+#include "bench/plan.h"
+#include "base/error.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace dapple::bench {
+namespace {
+
+GlWorkbench& workbench() {
+    static GlWorkbench bench(-1, "cpu_finish");
+    return bench;
+}
+
+PointSpec spec(const std::string& technique, shadow::Settings axes, const std::optional<SunPath>& path) {
+    PointSpec s;
+    s.scene = "forest-small";
+    s.technique = technique;
+    if (shadow::technique(technique).defaults.contains("size")) axes.try_emplace("size", "256");
+    s.settings = shadow::resolve(shadow::technique(technique), axes);
+    s.view = "above";
+    s.width = 120, s.height = 90;
+    s.path = path;
+    return s;
+}
+
+std::map<std::string, Figure> byMetric(const std::vector<Figure>& figures) {
+    std::map<std::string, Figure> found;
+    for (const Figure& f : figures)
+        if (f.pass.empty()) found[f.metric] = f;
+    return found;
+}
+
+TEST(Motion, ErrorsAreTheMeansOfSunsThatStandStill) {
+    for (const bool azimuth : {false, true})
+        for (const auto& [technique, update] : {std::pair("uniform", ""), {"instanced", "regenerate"}, {"instanced", "cached"}}) {
+            const bool instanced = *update != 0;
+            if (instanced && azimuth) continue;  // fresh maps are laid out at other rotations against the sun
+            SCOPED_TRACE(fmt::format("{} {} {}", technique, update, azimuth));
+            const SunPath path{azimuth ? 3.0 : 0.0, azimuth ? 0.0 : -1.5, 4};
+            const shadow::Settings axes = instanced ? shadow::Settings{{"update", update}} : shadow::Settings{};
+            const auto moving = byMetric(workbench().open(spec(technique, axes, path))->errors());
+            double sum = 0, most = 0;
+            for (int frame = 1; frame < path.frames; ++frame) {
+                PointSpec still = spec(technique, axes, std::nullopt);
+                still.sceneSettings = {fmt::format("sun.azimuth={}", 135 + frame * path.azimuthPerFrame), fmt::format("sun.elevation={}", 45 + frame * path.elevationPerFrame)};
+                const double error = byMetric(workbench().open(still)->errors()).at("error").value.value();
+                sum += error;
+                most = std::max(most, error);
+            }
+            EXPECT_NEAR(moving.at("error").value.value(), sum / 3, 1e-4);
+            EXPECT_EQ(moving.at("error").spread.value().n, 3u);
+            EXPECT_NEAR(moving.at("error").spread->max, most, 1e-4);
+            if (instanced) {
+                EXPECT_EQ(moving.at("map_age_worst").value, 0);
+                EXPECT_EQ(moving.at("map_lag_worst").value, 0);
+            }
+        }
+}
+
+TEST(Motion, WhatCastsNoShadowLacksAllFlipsOfTheTruth) {
+    const auto figures = byMetric(workbench().open(spec("unshadowed", {}, SunPath{1, -0.5, 4}))->errors());
+    EXPECT_EQ(figures.at("flips").value, 0);
+    EXPECT_GT(figures.at("reference_flips").value.value(), 0.01);
+    EXPECT_EQ(figures.at("excess_flips").value.value(), -figures.at("reference_flips").value.value());
+}
+
+TEST(Motion, BudgetsAndCriteriaShowInTexelsAndLags) {
+    const SunPath path{0, -0.05, 9};
+    std::map<std::string, double> texels, lag;
+    for (const char* update : {"regenerate", "criterion", "round-robin"}) {
+        const auto point = workbench().open(spec("instanced", {{"update", update}}, path));
+        const auto counters = byMetric(point->counters());
+        texels[update] = counters.at("texels_written").value.value() / (256 * 256);
+        const auto errors = byMetric(point->errors());
+        lag[update] = errors.at("map_lag_worst").spread.value().max;
+        EXPECT_EQ(byMetric(point->errors()).at("excess_flips").value, errors.at("excess_flips").value) << "each evaluation starts anew";
+    }
+    EXPECT_EQ(texels["regenerate"], 24);
+    EXPECT_EQ(texels["round-robin"], 4);
+    EXPECT_LT(texels["criterion"], 12);
+    EXPECT_GT(texels["criterion"], 0);
+    EXPECT_EQ(lag["regenerate"], 0);
+    EXPECT_GT(lag["round-robin"], 5 * 0.05 - 1e-6);  // six frames a round
+    EXPECT_GT(lag["criterion"], 0.04);
+}
+
+TEST(Motion, TimedFramesHaveTheSamePassesThroughout) {
+    for (const char* update : {"cached", "criterion", "round-robin", "regenerate"}) {
+        const auto point = workbench().open(spec("instanced", {{"update", update}}, SunPath{0, -0.02, 5}));
+        point->beginBlocks();
+        for (int i = 0; i < 12; ++i) point->submitFrame(true);
+        for (const measure::FrameTimes& times : point->drain()) EXPECT_EQ(times.passMs.size(), point->passNames().size()) << update;
+        EXPECT_NE(std::ranges::find(point->passNames(), "maps"), point->passNames().end()) << update;
+    }
+}
+
+TEST(Motion, APathIntoTheNightIsRefused) {
+    Sweep sweep = parseSweep("question = \"?\"\nscenes = [\"forest-small\"]\n[motion]\nsun_elevation_per_frame = -5\nframes = 12\n[[technique]]\nname = \"uniform\"\n", "dusk.toml");
+    try {
+        makePlan(sweep, workbench());
+        FAIL();
+    } catch (const base::UsageError& e) {
+        EXPECT_NE(std::string(e.what()).find("-10 degrees"), std::string::npos) << e.what();
+    }
+    sweep.path->frames = 9;
+    EXPECT_NE(makePlan(sweep, workbench()).points.at(0).id, pointId(spec("uniform", {}, std::nullopt), 0));
+}
+
+}  // namespace
+}  // namespace dapple::bench
