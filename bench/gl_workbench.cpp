@@ -133,6 +133,7 @@ public:
 
     std::vector<PassNote> leftOut() const override {
         std::vector<PassNote> notes;
+        for (const std::string& dropped : shared_->loaded->scene.dropped) notes.push_back({"scene", dropped});
         for (const frame::Pass& pass : renderer_.passes())
             if (!pass.leftOut.empty()) notes.push_back({pass.name, pass.leftOut});
         return notes;
@@ -193,6 +194,7 @@ private:
         }
         for (const auto& [metric, sum] : totals) figures.push_back(figure("", metric, sum));
         appendLedger(figures, "", total);
+        figures.push_back(figure("", "texels_in_use", renderer_.technique() ? double(renderer_.technique()->texelsInUse()) : 0));
         if (!all) return figures;
         const gl::Texture* map = renderer_.technique() ? renderer_.technique()->map() : nullptr;
         const double texels = map ? double(map->width()) * map->height() * std::max(map->layers(), 1) : 0;
@@ -201,8 +203,11 @@ private:
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
         appendCasters(figures);
         if (renderer_.hasVisibility()) appendOverdraw(figures);
-        if (const auto volumes = renderer_.candidates())
-            figures.push_back(figure("", "candidates", double(std::count_if(volumes->texels.begin(), volumes->texels.end(), [](float n) { return n > 0; }))));
+        if (const auto volumes = renderer_.candidates()) {
+            const std::vector<float>& n = volumes->texels;
+            figures.push_back(figure("", "candidates", double(std::count_if(n.begin(), n.end(), [](float v) { return v > 0; }))));
+            figures.push_back(figure("", "candidates_mean", std::accumulate(n.begin(), n.end(), 0.0) / double(n.size())));
+        }
         return figures;
     }
 
@@ -327,6 +332,7 @@ std::shared_ptr<LoadedScene> GlWorkbench::load(const std::string& name, const st
     if (!entry) {
         scenegen::Scene scene = scenegen::loadScene(name, settings);
         if (!stress.empty()) stressCase(stress).apply(scene);
+        scenegen::dropBadInstances(scene);
         scenegen::validate(scene);
         entry = std::make_shared<LoadedScene>(std::move(scene));
     }

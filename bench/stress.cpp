@@ -3,6 +3,7 @@
 #include "base/error.h"
 
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace dapple::bench {
@@ -61,6 +62,26 @@ void noReceiver(Scene& scene) {
 
 void farOrigin(Scene& scene) { scene.origin += glm::dvec3(1e6, -1e6, 0); }
 
+/// Copies of the scene's last instance that can stand nowhere.
+void badInstances(Scene& scene) {
+    if (scene.instances.empty()) return;
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    const scenegen::Instance good = scene.instances.back();
+    std::vector<scenegen::Instance> bad(7, good);
+    bad[0].translation.x = nan;
+    bad[1].translation.z = -inf;
+    bad[2].scale = 0;
+    bad[3].scale = -1;
+    bad[4].scale = nan;
+    bad[5].scale = 3e38f;
+    bad[6].yaw = inf;
+    // Before, between and behind the others: the order of the rest stays.
+    scene.instances.insert(scene.instances.begin() + std::ptrdiff_t(scene.instances.size() / 2), bad.begin() + 2, bad.begin() + 4);
+    scene.instances.insert(scene.instances.end(), bad.begin() + 4, bad.end());
+    scene.instances.insert(scene.instances.begin(), bad.begin(), bad.begin() + 2);
+    for (scenegen::Motion& m : scene.motions) m.instance += 2 + (m.instance >= (scene.instances.size() - 7) / 2 ? 2 : 0);
+}
+
 const std::array kCases = {
     StressCase{"none", "the scene as it is, for comparison", [](Scene&) {}},
     StressCase{"sun-zenith", "sun at the zenith: the light is the world's vertical", sunAt<90>},
@@ -73,6 +94,7 @@ const std::array kCases = {
     StressCase{"depth-range", "near plane at 1e-3 m, far plane at 1e6 m", depthRange<-3, 6>},
     StressCase{"no-caster", "nothing casts a shadow", noCaster},
     StressCase{"no-receiver", "the camera sees only sky", noReceiver},
+    StressCase{"bad-instances", "seven instances more, whose transforms are NaN, infinite, zero or mirrored: dropped and counted", badInstances},
     StressCase{"far-origin", "the scene is 1,414 km from the origin", farOrigin},
 };
 

@@ -51,6 +51,7 @@ Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& s
     } else {
         scene = read(given);
     }
+    dropBadInstances(scene);
     validate(scene);
     return scene;
 }

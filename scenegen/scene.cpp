@@ -176,6 +176,36 @@ size_t Scene::viewIndex(const std::string& viewName) const {
     throw base::UsageError(fmt::format("scene {}: {}", name, base::unknownName("view", viewName, known)));
 }
 
+void dropBadInstances(Scene& scene) {
+    constexpr float kFarthest = 1e9f;
+    std::vector<base::Box> boxes;
+    for (const Prototype& prototype : scene.prototypes) boxes.push_back(prototype.box());
+    const auto reasonOf = [&](const Instance& i) -> std::string {
+        if (!base::allFinite(i.translation) || !std::isfinite(i.scale) || !std::isfinite(i.yaw)) return "its transform is not finite";
+        if (i.scale <= 0) return fmt::format("its scale is {}, not above 0", i.scale);
+        if (i.prototype >= boxes.size() || boxes[i.prototype].empty()) return {};  // validate() has a say; or there is nothing
+        const base::Box box = instanceBox(boxes[i.prototype], i);
+        // NaN is not less, either. Squares and cubes of such lengths are still floats.
+        const auto reaches = [](const glm::vec3& p) { return glm::all(glm::lessThan(glm::abs(p), glm::vec3(kFarthest))); };
+        return reaches(box.lo) && reaches(box.hi) ? "" : fmt::format("its box reaches beyond {:g} m", kFarthest);
+    };
+    constexpr uint32_t kGone = ~0u;
+    std::vector<uint32_t> now;  // index of what was instance i
+    std::vector<Instance> kept;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const std::string reason = reasonOf(instance);
+        now.push_back(reason.empty() ? uint32_t(kept.size()) : kGone);
+        if (reason.empty()) kept.push_back(instance);
+        else scene.dropped.push_back(fmt::format("instance {} of '{}' dropped: {}", i, instance.prototype < scene.prototypes.size() ? scene.prototypes[instance.prototype].name : "?", reason));
+    }
+    if (kept.size() == scene.instances.size()) return;
+    scene.instances = std::move(kept);
+    std::erase_if(scene.motions, [&](const Motion& m) { return m.instance < now.size() && now[m.instance] == kGone; });
+    for (Motion& m : scene.motions)
+        if (m.instance < now.size()) m.instance = now[m.instance];
+}
+
 void validate(const Scene& scene) {
     const auto fail = [&](const std::string& why) { throw base::UsageError(fmt::format("scene {}: {}", scene.name, why)); };
     requireFinite(base::allFinite(scene.origin), scene.name, "the origin");

@@ -134,6 +134,7 @@ struct Scene {
     Sun sun;
     std::vector<LocalLight> lights;
     std::vector<Motion> motions;  ///< of moving instances; their translations are those of the last moveTo()
+    std::vector<std::string> dropped;  ///< what dropBadInstances() has removed and why; not part of the content
 
     /// Sets the translations of the moving instances to those at a time. What the wind bends is not touched: shapes are
     /// those of the recipe's time.
@@ -148,6 +149,10 @@ struct Scene {
 
 /// Box of an instance, metres from Scene::origin: the eight corners of the prototype's box, transformed.
 base::Box instanceBox(const base::Box& prototypeBox, const Instance& instance);
+
+/// Removes the instances that can stand nowhere (a transform that is not finite, a scale that is not above 0, a box beyond 1e9 m), with
+/// their motions, and appends a line for each to Scene::dropped. What is left is as if they had never been there.
+void dropBadInstances(Scene& scene);
 
 /// Throws UsageError, with the offending item, if any number is not finite, an index is out of range, a
 /// scale is ≤ 0 or there is no view: everything behind this call may rely on it.

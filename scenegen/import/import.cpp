@@ -16,6 +16,7 @@ Scene importFile(const std::filesystem::path& file) {
     // A sidecar changes what a file says, which only a reading of its triangles allows.
     if (!std::filesystem::exists(std::filesystem::path(file).replace_extension(".toml")))
         if (std::optional<Scene> own = readOwnGlb(file)) {
+            dropBadInstances(*own);
             validate(*own);
             return *own;
         }

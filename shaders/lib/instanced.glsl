@@ -14,7 +14,8 @@ struct CasterType {
     vec4 centre;     // of its box, prototype space; w: metres by which shadows of maps of an earlier sun may leave the volume
     vec4 half_;      // half its size; w: κ², κ = horizontal radius / half height
     float transmittance;  // of its shadow
-    float padding0, padding1, padding2;
+    float pad;       // metres by which the box is larger than the object's
+    float unused0, unused1;
 };
 layout(std430, binding = 1) restrict readonly buffer Casters { Caster casters[]; };
 layout(std430, binding = 2) restrict readonly buffer CasterTypes { CasterType casterTypes[]; };

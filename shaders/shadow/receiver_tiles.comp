@@ -1,4 +1,4 @@
-// A box about the receivers of each 64 × 64 pixels that face the sun; reach.x < 0 where there is none.
+// A box about the receivers of each TILE × TILE pixels that face the sun; reach.x < 0 where there is none.
 #include "lib/gbuffer.glsl"
 #include "lib/view.glsl"
 #include "lib/receiver_box.glsl"
@@ -13,11 +13,11 @@ layout(std430, binding = 5) restrict writeonly buffer Tiles { Tile tiles[]; };
 
 void main() {
     clearReceiverBox();
-    ivec2 size = textureSize(uDepth, 0), first = ivec2(gl_WorkGroupID.xy) * 64 + ivec2(gl_LocalInvocationID.xy);
+    ivec2 size = textureSize(uDepth, 0), first = ivec2(gl_WorkGroupID.xy) * TILE + ivec2(gl_LocalInvocationID.xy);
     vec3 lo = vec3(0.0), hi = vec3(0.0);
     bool some = false;
-    for (int y = 0; y < 64; y += 16)
-        for (int x = 0; x < 64; x += 16) {
+    for (int y = 0; y < TILE; y += 16)
+        for (int x = 0; x < TILE; x += 16) {
             ivec2 pixel = first + ivec2(x, y);
             if (any(greaterThanEqual(pixel, size))) continue;
             float depth = texelFetch(uDepth, pixel, 0).r;

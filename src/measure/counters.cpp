@@ -32,6 +32,7 @@ constexpr std::array kMetrics{
     MetricInfo{"caster_triangles_contributing", "triangles", none, true, "... their triangles"},
     MetricInfo{"casters_efficiency", "", lower, true, "casters_drawn / casters_contributing"},
     MetricInfo{"texels_allocated", "texels", lower, true, "texels of the technique's maps"},
+    MetricInfo{"texels_in_use", "texels", lower, true, "texels of maps, without the gaps between them"},
     MetricInfo{"texels_written", "texels", lower, true, "texels of the maps that the frame cleared or rendered"},
     MetricInfo{"texture_bytes", "B", lower, true, "format x extent x layers x mips x samples of the technique's maps"},
     MetricInfo{"driver_bytes", "B", lower, false, "GPU memory that the technique took by the driver's own figure"},
@@ -46,6 +47,7 @@ constexpr std::array kMetrics{
     MetricInfo{"overdraw_9-16", "pixels", none, true, "pixels with 9 to 16 fragments"},
     MetricInfo{"overdraw_>16", "pixels", none, true, "pixels with more than 16 fragments"},
     MetricInfo{"candidates", "pixels", lower, true, "pixels whose receiver lies in at least one caster's shadow volume"},
+    MetricInfo{"candidates_mean", "look-ups/pixel", lower, true, "casters' shadow volumes that hold a pixel's receiver: the least that volumes can shade"},
     // image error against the ray-traced reference, shares of the valid pixels
     MetricInfo{"error", "", lower, true, "false_shadow + false_light"},
     MetricInfo{"false_shadow", "", lower, true, "dark where the reference is lit"},

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 
 namespace dapple::shadow {
@@ -83,7 +84,11 @@ const std::vector<Axis> kAxes{
       {"moving", "as cached, and every frame those of casters whose shape moves"},
       {"criterion", "as moving, but a sun that moves makes a map due only when its object's shadow has moved by a texel"},
       {"round-robin", "those that are behind in turn, budget of them a frame, most-used types first"}}},
-    {"budget", "maps that round-robin renders in a frame", {}, 1, 2048},
+    {"budget", "maps that round-robin renders in a frame, beside those that show nothing of use yet", {}, 1, 2048},
+    {"resolution", "texels along a side of an instanced map",
+     {{"fixed", "size, for every map"},
+      {"estimate", "the power of two between 16 and size that the map is asked for, measured on the receivers in sight"}}},
+    {"exact-casters", "closed opaque casters of at most so many triangles cast stencil shadow volumes, the others instanced maps", {}, 0, 1000000},
 };
 
 /// Beside what the technique itself has.
@@ -98,7 +103,7 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 }
 
 Settings instancedPreset(const char* own) {
-    return withCamera({{"size", "512"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
             {"cull", "frustum"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 
@@ -216,6 +221,10 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
+        if (number("exact-casters") > 0 && !volumes) return "exact casters darken an image that volumes go on darkening: apply zpass, zfail or skip";
+        if (number("exact-casters") > 0 && is("accumulate", "stencil")) return "exact casters are counted in the stencil: accumulate min or multiply";
+        if (is("resolution", "estimate") && (number("size") < 16 || !std::has_single_bit(unsigned(number("size")))))
+            return "estimated sides are powers of two from 16 to size: size must be one";
         if (facts.translucent && is("accumulate", "min")) return "the darkest of several shadows is not what translucent casters let through: accumulate multiply";
         if (facts.translucent && is("accumulate", "stencil")) return "a stencil bit stops at the first shadow, but translucent casters' add up: accumulate multiply";
         if (!is("update", "round-robin") && !is("budget", info.defaults.at("budget").c_str())) return "only update round-robin has a budget";

@@ -110,6 +110,47 @@ TEST_P(EveryTechnique, FarFromTheOriginIsTheSamePicture) {
     EXPECT_EQ(here.picture, far.picture);
 }
 
+TEST_P(EveryTechnique, BadInstancesChangeNothingElseAndAreNamed) {
+    const Rendered good = render(spec("forest-small", name()));
+    const PointSpec s = spec("forest-small", name(), {}, "bad-instances");
+    const Rendered other = render(s);
+    EXPECT_EQ(good.visibility, other.visibility);
+    EXPECT_EQ(good.picture, other.picture);
+    size_t named = 0;
+    for (const PassNote& note : workbench().open(s)->leftOut()) named += note.pass == "scene" && note.reason.find("dropped") != std::string::npos;
+    EXPECT_EQ(named, 7u);
+}
+
+// A point, a line and a sheet cast what they cast: nothing that spoils another's shadow.
+TEST_P(EveryTechnique, DegenerateBoxesChangeNoOtherShadow) {
+    if (!hasVisibility() || shadow::technique(name()).family == "volume") GTEST_SKIP() << "no visibility image, or closed casters only";
+    workbench();
+    scenegen::Scene scene = scenegen::loadScene("forest-small");
+    std::vector<float> visibility[2];
+    for (const bool degenerate : {false, true}) {
+        for (int kind = 0; degenerate && kind < 2; ++kind) {
+            scenegen::Prototype prototype;
+            prototype.name = kind == 0 ? "point" : "line";
+            scenegen::Mesh mesh;
+            mesh.positions = {{0, 0, 0}, {0, 0, kind}, {0, 0, 2 * kind}};
+            mesh.normals.assign(3, {0, 0, 1});
+            mesh.indices = {0, 1, 2};
+            prototype.meshes.push_back(mesh);
+            scene.prototypes.push_back(prototype);
+            for (const float scale : {1e-6f, 1.0f}) scene.instances.push_back({{0.5f, 0.5f, 1}, scale, 0.3f, uint32_t(scene.prototypes.size() - 1)});
+        }
+        const gpuscene::GpuScene gpu(scene);
+        frame::Frame frame(gpu, scene.views.front(), 160, 120);
+        shadow::Settings axes;
+        if (shadow::technique(name()).defaults.contains("size")) axes["size"] = "256";
+        shadow::Renderer renderer(frame, shadow::technique(name()), shadow::resolve(shadow::technique(name()), axes));
+        frame::PassObserver silent;
+        renderer.render(silent);
+        visibility[degenerate] = renderer.visibility();
+    }
+    EXPECT_EQ(visibility[0], visibility[1]);
+}
+
 TEST_P(EveryTechnique, RendersTheSamePictureTwice) {
     const Rendered a = render(spec("forest-small", name())), b = render(spec("forest-small", name()));
     EXPECT_EQ(a.visibility, b.visibility);

@@ -31,6 +31,7 @@ TEST(Stress, EveryCaseKeepsTheSceneValid) {
     for (const StressCase& c : stressCases()) {
         scenegen::Scene scene = plane();
         c.apply(scene);
+        scenegen::dropBadInstances(scene);
         EXPECT_NO_THROW(scenegen::validate(scene)) << c.name;
         for (const scenegen::View& view : scene.views) {
             EXPECT_NEAR(glm::length(view.forward), 1, 1e-12) << c.name;
@@ -40,7 +41,7 @@ TEST(Stress, EveryCaseKeepsTheSceneValid) {
         }
         EXPECT_EQ(&stressCase(c.name), &c);
         const bool changes = scene.contentHash() != plane().contentHash();
-        EXPECT_EQ(changes, c.name != "none") << c.name;
+        EXPECT_EQ(changes, c.name != "none" && c.name != "bad-instances") << c.name;
     }
     EXPECT_NE(messageOf([] { stressCase("dueling"); }).find("'duelling'"), std::string::npos);
 }
@@ -75,6 +76,37 @@ TEST(Stress, NothingCastsOrNothingIsSeen) {
         // Half the diagonal field of view stays above the horizontal.
         EXPECT_GT(view.forward.z, std::sin(0.5 * view.fovY * std::numbers::pi / 180));
     }
+}
+
+TEST(Stress, BadInstancesAreDroppedAndCountedAndTheRestStays) {
+    scenegen::Scene scene = plane();
+    for (int i = 1; i < 6; ++i) {
+        scene.instances.push_back(scene.instances.front());
+        scene.instances.back().translation.x = float(i);
+    }
+    scene.motions = {{1, {1, 0, 0}, {2, 0, 0}, 1, 0}, {4, {4, 0, 0}, {5, 0, 0}, 1, 0}};
+    const scenegen::Scene before = scene;
+    stressCase("bad-instances").apply(scene);
+    EXPECT_EQ(scene.instances.size(), 13u);
+    EXPECT_FALSE(messageOf([&] { scenegen::validate(scene); }).empty());
+    scenegen::dropBadInstances(scene);
+    EXPECT_EQ(scene.contentHash(), before.contentHash());
+    ASSERT_EQ(scene.dropped.size(), 7u);
+    EXPECT_NE(scene.dropped[0].find("instance 0"), std::string::npos);
+    EXPECT_NE(scene.dropped[2].find("scale is 0"), std::string::npos);
+    EXPECT_NE(scene.dropped[3].find("scale is -1"), std::string::npos);
+    for (const scenegen::Motion& m : scene.motions) EXPECT_EQ(scene.instances[m.instance].translation.x, m.from.x);
+}
+
+TEST(Stress, TheMotionOfABadInstanceGoesWithIt) {
+    scenegen::Scene scene = plane();
+    scene.instances.resize(2);
+    scene.instances[0].scale = -2;
+    scene.motions = {{0, {0, 0, 0}, {1, 0, 0}, 1, 0}, {1, {0, 0, 0}, {1, 0, 0}, 2, 0}};
+    scenegen::dropBadInstances(scene);
+    ASSERT_EQ(scene.motions.size(), 1u);
+    EXPECT_EQ(scene.motions[0].instance, 0u);
+    EXPECT_EQ(scene.motions[0].speed, 2);
 }
 
 }  // namespace

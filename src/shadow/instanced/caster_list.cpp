@@ -12,7 +12,8 @@ namespace {
 struct GpuCasterType {
     glm::vec4 centre, half;  ///< of the box; centre.w: metres that its maps' shadows may stray from its volume, half.w: κ²
     float transmittance;
-    float padding[3];
+    float pad;  ///< metres by which the box is larger than the object's
+    float unused[2];
 };
 static_assert(sizeof(GpuCasterType) == 48);
 
@@ -34,7 +35,7 @@ void CasterList::uploadTypes() {
         const glm::vec3 half = type.box.halfSize();
         const glm::vec2 reach = glm::max(glm::abs(glm::vec2(type.box.lo)), glm::abs(glm::vec2(type.box.hi)));
         const float kappa = std::max(reach.x, reach.y) / std::max(half.z, 1e-6f);
-        types.push_back({glm::vec4(type.box.centre(), strays_[t]), glm::vec4(half, kappa * kappa), scene.prototypes[type.prototype].transmittance, {}});
+        types.push_back({glm::vec4(type.box.centre(), strays_[t]), glm::vec4(half, kappa * kappa), scene.prototypes[type.prototype].transmittance, type.pad, {}});
     }
     typeBuffer_.update(types.size() * sizeof(GpuCasterType), types.data());
     std::vector<GpuCasterMap> maps;
@@ -56,7 +57,7 @@ CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
     const double yaw = double(instance.yaw) - sunTurn_;
     const auto first = uint32_t(type.firstMap);
     RotationSample sample;
-    double turn = maps_.maps()[first].pose.yaw - yaw, secondTurn = turn;  // of a lone map: 0 unless it is late
+    double turn = std::remainder(maps_.maps()[first].pose.yaw - yaw, 2 * std::numbers::pi), secondTurn = turn;  // of a lone map: 0 unless it is late
     if (type.ring) {
         sample = sampleRotation(yaw, count);
         const double step = 2 * std::numbers::pi / count;

@@ -1,6 +1,7 @@
 #include "shadow/instanced/caster_maps.h"
 
 #include "shadow/families.h"
+#include "shadow/instanced/resolution.h"
 
 #include <fmt/format.h>
 
@@ -12,9 +13,16 @@ namespace dapple::shadow {
 
 using gpuscene::Bucket;
 
+bool castsExactly(const scenegen::Scene& scene, const scenegen::Prototype& prototype, const Settings& settings) {
+    const auto limit = size_t(std::stoul(settings.at("exact-casters")));
+    return prototype.closed && prototype.transmittance == 0 && prototype.triangles() <= limit &&
+           std::none_of(prototype.meshes.begin(), prototype.meshes.end(), [&](const scenegen::Mesh& mesh) { return scene.materials[mesh.material].alphaTested; });
+}
+
 CasterMaps::CasterMaps(const frame::Frame& frame, const Settings& settings)
     : frame_(frame), scene_(frame.scene()),
-      heading_(sunAngles(frame.light()).heading), policy_(settings), size_(std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
+      heading_(sunAngles(frame.light()).heading), policy_(settings),
+      size_(settings.at("resolution") == "estimate" ? SizeChooser::kLeast : std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
     makeTypes(settings);
     if (types_.empty()) return;
     atlas_.arrange(sides_, due_);
@@ -45,6 +53,8 @@ void CasterMaps::makeTypes(const Settings& settings) {
     const scenegen::Scene& scene = scene_.scene();
     const int rotations = std::stoi(settings.at("rotations"));
     std::vector<int> ofPrototype(scene.prototypes.size(), -1);
+    std::vector<bool> exact;
+    for (const scenegen::Prototype& prototype : scene.prototypes) exact.push_back(castsExactly(scene, prototype, settings));
     std::vector<CasterType> shared;
     std::vector<bool> turned;
     std::vector<uint32_t> casting;
@@ -52,12 +62,12 @@ void CasterMaps::makeTypes(const Settings& settings) {
         const scenegen::Instance& instance = scene.instances[i];
         const gpuscene::GpuPrototype& prototype = scene_.prototypes()[instance.prototype];
         typeOf_.push_back(-1);
-        if (!prototype.castsShadow || prototype.triangles == 0) continue;
+        if (!prototype.castsShadow || prototype.triangles == 0 || exact[instance.prototype]) continue;
         casting.push_back(i);
         int& known = ofPrototype[instance.prototype];
         if (known < 0) {
             known = int(shared.size());
-            shared.push_back({instance.prototype, i, 0, {double(instance.yaw)}, false, {}});
+            shared.push_back({instance.prototype, i, 0, {double(instance.yaw)}, false, {}, 0});
             turned.push_back(false);
         }
         turned[size_t(known)] = turned[size_t(known)] || double(instance.yaw) != shared[size_t(known)].angles[0];
@@ -80,7 +90,7 @@ void CasterMaps::makeTypes(const Settings& settings) {
         const scenegen::Instance& instance = scene.instances[casting[k]];
         ownerOf_.push_back(casting[k]);
         typeOf_[casting[k]] = int(types_.size());
-        addType({instance.prototype, casting[k], 0, {double(instance.yaw)}, false, {}});
+        addType({instance.prototype, casting[k], 0, {double(instance.yaw)}, false, {}, 0});
     }
 }
 
@@ -164,8 +174,9 @@ void CasterMaps::fit(CasterType& type) {
         rotated_.data[map] = {glm::vec3(0), 1, {float(c), float(s)}};
     }
     // Receivers within the kernel's reach of a shadow's edge need the volume too.
-    type.box.lo -= float(pad_ * texel);
-    type.box.hi += float(pad_ * texel);
+    type.pad = float(pad_ * texel);
+    type.box.lo -= type.pad;
+    type.box.hi += type.pad;
 }
 
 glm::dmat4 CasterMaps::clip(const CasterMap& map, double heading) const {

@@ -11,6 +11,10 @@
 
 namespace dapple::shadow {
 
+/// Whether a caster's shadow is left to stencil volumes: closed, opaque, without alpha test, and within the limit of triangles that
+/// axis `exact-casters` sets.
+bool castsExactly(const scenegen::Scene& scene, const scenegen::Prototype& prototype, const Settings& settings);
+
 /// What shares maps: a prototype that casts, or one instance that has a map of its own.
 struct CasterType {
     uint32_t prototype = 0;
@@ -19,6 +23,7 @@ struct CasterType {
     std::vector<double> angles;  ///< radians about the vertical at which the maps are laid out: 2πk/N, or the one that all its instances have
     bool ring = false;           ///< the former: instances turn against the maps
     base::Box box;               ///< prototype space, padded by the kernel's reach
+    float pad = 0;               ///< of it, metres
 };
 
 /// One map, in metres of its object's own scale about the object's origin.
@@ -46,12 +51,13 @@ public:
     int version() const { return version_; }
 
     std::span<const CasterType> types() const { return types_; }
-    /// Index into types(); -1 for an instance that casts no shadow.
+    /// Index into types(); -1 for an instance that casts none, or exactly.
     int typeOf(uint32_t instance) const { return typeOf_[instance]; }
     /// Radians by which the light's heading has turned since the maps were laid out.
     double sunTurn() const;
     const MapAtlas& atlas() const { return atlas_; }
     std::span<const CasterMap> maps() const { return maps_; }
+    double padTexels() const { return pad_; }                           ///< about each object in its map
     const std::vector<int>& sides() const { return sides_; }            ///< by map: texels
     /// Gives the maps other sides. Those that change are due.
     void resize(const std::vector<int>& sides);
@@ -78,7 +84,7 @@ private:
     const gpuscene::GpuScene& scene_;
     double heading_;  ///< of the light when the maps were laid out
     UpdatePolicy policy_;
-    int size_;    ///< the largest side
+    int size_;    ///< side at first, texels: the axis `size`, or the least until more is asked for
     double pad_;  ///< texels about an object's window
     std::vector<CasterType> types_;
     std::vector<int> sharedTypeOf_;  ///< without own maps

@@ -3,15 +3,17 @@
 #include "shadow/families.h"
 
 #include "shadow/instanced/caster_list.h"
+#include "shadow/instanced/resolution.h"
 #include "shadow/instanced/volume.h"
 #include "shadow/lit_start.h"
+#include "shadow/volume/silhouette_volumes.h"
 
 #include <fmt/format.h>
 
 namespace dapple::shadow {
 namespace {
 
-constexpr int kReceiverTile = 64;  ///< pixels, of receiver_tiles.comp
+constexpr int kReceiverTile = 64;  ///< pixels, a multiple of 16; 16 spares at most 2.8 % more fragments (sweep mask-bound)
 constexpr size_t kSurvivorBytes = 12;  ///< of lib/survivor.glsl
 constexpr int kTile = 16;          ///< of instanced_tiled.comp
 
@@ -19,16 +21,31 @@ class InstancedTechnique final : public Technique {
 public:
     InstancedTechnique(frame::Frame& frame, const Settings& settings)
         : frame_(frame), settings_(settings), maps_(frame, settings), casters_(frame, maps_),
-          start_(frame, is("accumulate", "stencil") ? LitStart::Depth::withStencil : LitStart::Depth::readable) {
+          ownDepth_(is("accumulate", "stencil") || !is("exact-casters", "0")), start_(frame, ownDepth_ ? LitStart::Depth::withStencil : LitStart::Depth::readable) {
         makePrograms();
+        if (!is("exact-casters", "0"))
+            exact_.emplace(frame, [this](const scenegen::Prototype& p) { return castsExactly(frame_.scene().scene(), p, settings_); },
+                           SilhouetteVolumes::Count::stencil, true, start_.depth());
         const gl::Texture* visibility[] = {&frame_.visibility()};
-        volumeTarget_ = gl::makeFramebuffer(visibility, is("accumulate", "stencil") ? &start_.depth() : &frame_.depth());
-        if (!is("update", "regenerate")) refresh();
+        volumeTarget_ = gl::makeFramebuffer(visibility, ownDepth_ ? &start_.depth() : &frame_.depth());
+        refresh();
     }
 
     void refresh() override {
         if (maps_.types().empty()) return;
         measure::Ledger ignored;
+        if (is("resolution", "estimate")) {
+            // The first frame has sizes that were measured, too, and no others; this is not yet a frame and may wait.
+            const int most = std::stoi(settings_.at("size"));
+            chooser_.emplace(most);
+            demand_.emplace(frame_, lookUpDefines(), most);
+            frame::PassObserver silent;
+            const std::vector<frame::Pass> gbuffer{frame_.gbufferPass()};
+            frame::execute(gbuffer, silent);
+            estimate(ignored);
+            maps_.resize(chooser_->update(*demand_->result(true)));
+        }
+        if (is("update", "regenerate")) return;  // every frame does
         gl::resetState();
         maps_.renderAll(ignored);
         gl::resetState();
@@ -38,13 +55,19 @@ public:
         using measure::Ledger;
         maps_.choose();
         std::string mapsLeftOut, leftOut;
-        if (maps_.types().empty()) mapsLeftOut = leftOut = "the scene has no caster";
-        else if (!maps_.outdated()) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
+        const bool exact = exact_ && !exact_->empty();
+        if (maps_.types().empty()) mapsLeftOut = leftOut = exact ? "every caster casts exactly" : "the scene has no caster";
+        else if (!maps_.outdated() && !chooser_) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes;
         if (maps_.maps().size() == maps_.types().size() && !is("rotations", "1"))
             passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
+        if (chooser_)
+            passes.push_back({"estimate", {"gbuffer", "depth"}, {"demand"}, "texels that each map is asked for", leftOut, [this](Ledger& tally) { estimate(tally); }});
         passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.maps().size(), maps_.types().size()), mapsLeftOut,
-                          [this](Ledger& tally) { maps_.render(casters_.uses(), tally); }});
+                          [this](Ledger& tally) {
+                              if (const auto demands = chooser_ ? demand_->result() : std::nullopt) maps_.resize(chooser_->update(*demands));
+                              maps_.render(casters_.uses(), tally);
+                          }});
         if (is("apply", "tiled") && leftOut.empty()) {
             passes.push_back({"tiles", {"gbuffer", "depth", "maps"}, {"visibility"}, "each tile of the screen finds its casters, each pixel asks them", "",
                               [this](Ledger& tally) { resolveTiles(tally); }});
@@ -53,6 +76,13 @@ public:
         } else {
             passes.push_back({"begin", {"gbuffer", "depth"}, {"visibility", "depth-copy"}, "lit where the surface faces the sun; depth to read", "",
                               [this](Ledger& tally) { start_.record(tally); }});
+            if (exact_) {
+                const std::string none = exact ? "" : "no caster is closed and has so few triangles";
+                passes.push_back({"exact.count", {"depth-copy"}, {"count"}, "shadow volumes of the exact casters that begin and end behind each pixel", none,
+                                  [this](Ledger& tally) { exact_->count(tally); }});
+                passes.push_back({"exact.dark", {"visibility", "count"}, {"visibility"}, "dark where one of them holds the pixel", none,
+                                  [this](Ledger& tally) { exact_->darken(tally); }});
+            }
             if (masked())
                 passes.push_back({"mask", {"gbuffer", "depth"}, {"survivors"}, "which instances' shadow volumes meet a visible receiver", leftOut,
                                   [this](Ledger& tally) { mask(tally); }});
@@ -65,6 +95,8 @@ public:
     std::vector<LightMatrix> matrices() const override { return maps_.matrices(); }
     std::optional<Staleness> staleness() const override { return maps_.staleness(casters_.mapsInUse()); }
     const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.atlas().texture(); }
+
+    size_t texelsInUse() const override { return maps_.atlas().texelsInUse(); }
 
     bool countOverdraw() override { return countVolumes(count_, &frame_.depth()); }
     // Each volume is convex, so without a depth test it has one fragment per pixel, and membership alone decides.
@@ -87,15 +119,21 @@ private:
         glEnable(GL_BLEND);
         glBlendFunc(GL_ONE, GL_ONE);
         measure::Ledger ignored;
+        if (exact_ && &program == &count_) exact_->addOverdraw();  // first: without the depth test of the others
         if (!maps_.types().empty()) submitVolumes(program, ignored);
         gl::resetState();
         return true;
     }
 
-    void makePrograms() {
+    std::vector<std::string> lookUpDefines() const {
         std::vector<std::string> look = samplingDefines(settings_);
         look.push_back(fmt::format("MODE {}", is("mode", "blend") ? 1 : is("mode", "depth") ? 2 : 0));
         look.push_back(fmt::format("SAMPLE_FRAME {}", is("sample-frame", "A") ? 0 : is("sample-frame", "B") ? 1 : is("sample-frame", "E") ? 2 : 3));
+        return look;
+    }
+
+    void makePrograms() {
+        const std::vector<std::string> look = lookUpDefines();
         std::vector<std::string> volume = look;
         if (is("apply", "skip")) volume.push_back("SKIP_TEST");
         if (masked()) volume.push_back("MASKED");
@@ -113,7 +151,7 @@ private:
             candidates_ = gl::Program("shadow/instanced.vert", "shadow/instanced.frag", candidates);
         }
         if (masked()) {
-            receiverTiles_ = gl::Program::compute("shadow/receiver_tiles.comp");
+            receiverTiles_ = gl::Program::compute("shadow/receiver_tiles.comp", {fmt::format("TILE {}", kReceiverTile)});
             mask_ = gl::Program::compute("shadow/instanced_mask.comp");
         }
         corners_ = gl::Buffer::of<uint32_t>(boxShadowVolume());
@@ -136,7 +174,17 @@ private:
         program.use();
     }
 
+    void estimate(measure::Ledger& tally) {
+        gl::finishTriangles();
+        casters_.collect();
+        demand_->record(maps_.maps().size(), [this](const gl::Program& program) {
+            program.set("uPadTexels", float(maps_.padTexels()));
+            bind(program);
+        }, tally);
+    }
+
     void resolveTiles(measure::Ledger& tally) {
+        gl::finishTriangles();
         const auto& camera = frame_.camera();
         casters_.collect();
         bind(resolve_);
@@ -156,6 +204,7 @@ private:
     }
 
     void mask(measure::Ledger& tally) {
+        gl::finishTriangles();
         const auto& camera = frame_.camera();
         casters_.collect();
         const auto across = GLuint(camera.width + kReceiverTile - 1) / kReceiverTile, down = GLuint(camera.height + kReceiverTile - 1) / kReceiverTile;
@@ -203,7 +252,7 @@ private:
         glEnable(GL_DEPTH_CLAMP);
         glEnable(GL_CULL_FACE);
         bind(program);
-        if (!is("accumulate", "stencil")) glBindTextureUnit(2, start_.depth().name());
+        if (!ownDepth_) glBindTextureUnit(2, start_.depth().name());
         program.set("uExtrusion", float(casters_.extrusion().most));
         program.set("uFloor", float(casters_.extrusion().floor));
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, corners_.name());
@@ -233,7 +282,11 @@ private:
     Settings settings_;
     CasterMaps maps_;
     CasterList casters_;
+    std::optional<SizeChooser> chooser_;      ///< with `resolution` estimate
+    std::optional<DemandEstimate> demand_;
+    bool ownDepth_;  ///< volumes are tested against a copy that has a stencil, and read the frame's
     LitStart start_;
+    std::optional<SilhouetteVolumes> exact_;  ///< with `exact-casters`
     gl::Framebuffer volumeTarget_;
     gl::Sampler sampler_;
     gl::VertexArray array_;

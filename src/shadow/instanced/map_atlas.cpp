@@ -64,7 +64,11 @@ void MapAtlas::arrange(std::span<const int> sides, std::set<int>& due) {
 void MapAtlas::repack(std::span<const int> sides, std::set<int>& due) {
     const gl::Texture old = std::exchange(texture_, gl::Texture(GL_DEPTH_COMPONENT32F, squares_.pageSide(), squares_.pageSide(), squares_.pages()));
     targets_.clear();
-    for (int page = 0; page < squares_.pages(); ++page) targets_.push_back(gl::makeFramebuffer({}, &texture_, page));
+    for (int page = 0; page < squares_.pages(); ++page) {
+        targets_.push_back(gl::makeFramebuffer({}, &texture_, page));
+        const float one = 1;
+        glClearNamedFramebufferfv(targets_.back().name(), GL_DEPTH, 0, &one);  // gaps, too: nothing in a picture is undefined
+    }
     std::vector<size_t> order(sides.size());
     std::iota(order.begin(), order.end(), size_t(0));
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return sides[a] > sides[b]; });
