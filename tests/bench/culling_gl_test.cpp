@@ -1,6 +1,7 @@
 // What culling leaves out must not change a pixel: every method, for every fit, split, filter and bias, along paths that jump.
 #include "bench/gl_workbench.h"
 #include "scenegen/library.h"
+#include "scenegen/primitives.h"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +19,9 @@ constexpr int kWidth = 160, kHeight = 120;
 
 /// A scene at test size, walked through with jumps: each view, twice the first, so that coherence has something to hold on to.
 struct Walk {
-    explicit Walk(const std::string& name, const std::vector<std::string>& settings)
-        : scene(scenegen::loadScene(name, settings)), gpu((workbench(), scene)), frame(gpu, scene.views.front(), kWidth, kHeight) {
+    Walk(const std::string& name, const std::vector<std::string>& settings) : Walk(scenegen::loadScene(name, settings)) {}
+    explicit Walk(scenegen::Scene made)
+        : scene(std::move(made)), gpu((workbench(), scene)), frame(gpu, scene.views.front(), kWidth, kHeight) {
         for (size_t i = 0; i < std::min<size_t>(scene.views.size(), 3); ++i) views.push_back(scene.views[i]);
         views.insert(views.begin(), views.front());
     }
@@ -126,6 +128,27 @@ TEST(Camera, NoMethodChangesTheDepthImage) {
             const std::vector<Walk::Image> images = walk.images("unshadowed", {{"camera", method}});
             for (size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(images[i].depth, truth[i].depth) << scene.name << " " << method << " view " << i;
         }
+    }
+}
+
+// A wire between the texel centres of a coarse map, in the shadow of a plate out of sight: what rasterises the receivers loses
+// it, and with it the plate. The masks that are exact do not.
+TEST(Masks, RasterisedOnesLoseReceiversBetweenTexelCentres) {
+    scenegen::Scene scene;
+    scene.name = "wire";
+    scene.materials.resize(1);
+    scene.prototypes.push_back({"wire", {scenegen::boxMesh({0.06f, 0.06f, 3})}, true, true});
+    scene.prototypes.push_back({"plate", {scenegen::boxMesh({12, 12, 0.2f})}, true, true});
+    scene.instances.push_back({{0, 8, 0}, 1, 0, 0});  // on the line between the two columns of texels in the middle
+    scene.instances.push_back({{0, -22, 30}, 1, 0, 1});
+    scene.sun = {180, 45};
+    scene.views.push_back({"wire", {0, 0, 1.5}, {0, 1, 0}, {0, 0, 1}, 20, 0.1, 50});
+    Walk walk(scene);
+    const std::vector<Walk::Image> truth = walk.images("uniform", {{"size", "48"}, {"cull", "none"}});
+    EXPECT_GT(std::ranges::count(truth[0].visibility, 0.0f), 50) << "the plate's shadow is on the wire";
+    for (const auto& [mask, exact] : {std::pair("scatter", true), {"box", true}, {"geometry", false}, {"fragment", false}, {"fragment-or", false}}) {
+        const size_t wrong = differences(walk.images("uniform", {{"size", "48"}, {"cull", "receivers"}, {"mask", mask}}), truth);
+        EXPECT_EQ(wrong == 0, exact) << mask << ": " << wrong;
     }
 }
 
