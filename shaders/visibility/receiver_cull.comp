@@ -64,6 +64,13 @@ float beginning(Prism prism, vec2 centre, float halfSide) {
 }
 #endif
 
+// The finest level at which the cells from a to b are no more than `cells` a side.
+int levelOf(ivec2 a, ivec2 b, int cells) {
+    int level = 0;
+    while (level < uLevels - 1 && any(greaterThanEqual((b >> level) - (a >> level), ivec2(cells)))) ++level;
+    return level;
+}
+
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= uint(uInstances)) return;
@@ -90,9 +97,13 @@ void main() {
         vec2 first = floor((lo.xy * 0.5 + 0.5) * uCells - uMargin), last = floor((hi.xy * 0.5 + 0.5) * uCells + uMargin);
         if (any(lessThan(last, vec2(0.0))) || any(greaterThanEqual(first, vec2(uCells)))) return;
         ivec2 a = ivec2(max(first, vec2(0.0))), b = ivec2(min(last, vec2(uCells - 1.0)));
-        // The coarsest level at which it still spans at most CELLS cells a side.
-        int level = 0;
-        while (level < uLevels - 1 && any(greaterThanEqual((b >> level) - (a >> level), ivec2(CELLS)))) ++level;
+        // A quick look at few large cells; most casters are done with it.
+        int level = levelOf(a, b, 2);
+        uint most = 0u;
+        for (int y = a.y >> level; y <= b.y >> level; ++y)
+            for (int x = a.x >> level; x <= b.x >> level; ++x) most = max(most, texelFetch(uReceivers, ivec3(x, y, uLayer), level).r);
+        if (most == 0u || lo.z - uDepthSlack >= depthOfKey(most)) return;
+        level = levelOf(a, b, CELLS);
         vec4 axes[3] = separators(corners);
 #ifndef WARPED
         Prism box = prismOf(i, p, position);

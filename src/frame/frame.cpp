@@ -95,9 +95,8 @@ void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& program
     draw(programs.alpha, Bucket::alphaTested, Attributes::all);
 }
 
-Pass Frame::gbufferPass(Culling culling) {
+Pass Frame::gbufferPass(Culling culling, bool asksOcclusion) {
     if (!gbuffer_) gbuffer_ = std::make_shared<Programs>(*scene_, "passes/gbuffer.frag");
-    const bool asks = bool(culling);
     if (!culling)
         culling = [this](const gpuscene::Submit& submit) {
             scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
@@ -114,7 +113,7 @@ Pass Frame::gbufferPass(Culling culling) {
                     drawGeometry(list, *gbuffer_, tally);
                     drawn_.insert(drawn_.end(), list.instances.begin(), list.instances.end());
                 });
-            }, asks};
+            }, asksOcclusion};
 }
 
 Pass Frame::barePass() {

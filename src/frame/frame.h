@@ -59,7 +59,7 @@ public:
     /// Draws what the camera sees; decides what that is.
     using Culling = std::function<void(const gpuscene::Submit&)>;
     /// Without a culling: the instances whose boxes meet the view frustum.
-    Pass gbufferPass(Culling culling = {});
+    Pass gbufferPass(Culling culling = {}, bool asksOcclusion = false);
     /// Instances that the last G-buffer pass drew; empty where the GPU chose them.
     const std::vector<uint32_t>& drawnInstances() const { return drawn_; }
     Pass shadePass(bool shadowed);

@@ -16,6 +16,7 @@ CameraCulling::CameraCulling(const frame::Frame& frame, const Settings& settings
     : frame_(frame), everything_(settings.at("camera") == "none") {
     const std::string& method = settings.at("camera");
     if (method == "chc" || method == "chcpp") view_ = std::make_unique<visibility::ViewCulling>(frame.scene(), cullOptions(settings, method, false));
+    if (method == "hiz") hiz_ = std::make_unique<visibility::HizCulling>(frame.scene(), false, true);
 }
 
 frame::Frame::Culling CameraCulling::culling() {
@@ -23,6 +24,12 @@ frame::Frame::Culling CameraCulling::culling() {
         return [this](const gpuscene::Submit& submit) {
             frame_.scene().collect(frame_.camera().eye, [](uint32_t) { return true; }, list_);
             submit(list_);
+        };
+    if (hiz_)
+        return [this](const gpuscene::Submit& submit) {
+            const frame::Camera& camera = frame_.camera();
+            // Up to twice the near plane's distance, so that no corner is close to where depths have no end.
+            hiz_->draw({camera.clipFromRelative, camera.eye, 2 * camera.near, frame_.depth()}, submit);
         };
     if (!view_) return {};
     return [this](const gpuscene::Submit& submit) {

@@ -2,6 +2,7 @@
 
 #include "frame/frame.h"
 #include "shadow/registry.h"
+#include "visibility/hiz_culling.h"
 #include "visibility/view_culling.h"
 
 #include <memory>
@@ -18,13 +19,13 @@ public:
     CameraCulling(const frame::Frame& frame, const Settings& settings);
     /// For Frame::gbufferPass(); empty where the frame's own serves.
     frame::Frame::Culling culling();
-    /// nullptr unless occlusion queries decide.
-    const visibility::Statistics* statistics() const { return view_ ? &view_->statistics() : nullptr; }
+    bool asksOcclusion() const { return view_ != nullptr; }
 
 private:
     const frame::Frame& frame_;
     bool everything_;
     std::unique_ptr<visibility::ViewCulling> view_;
+    std::unique_ptr<visibility::HizCulling> hiz_;
     gpuscene::DrawList list_;
 };
 

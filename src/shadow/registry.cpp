@@ -25,7 +25,8 @@ const std::vector<Axis> kAxes{
      {{"frustum", "instances whose boxes meet the view frustum"},
       {"none", "everything"},
       {"chc", "what occlusion queries find visible (Bittner, Wimmer, Piringer, Purgathofer 2004)"},
-      {"chcpp", "the same, with batches, multiqueries and tight bounds (Mattausch, Bittner, Wimmer 2008)"}}},
+      {"chcpp", "the same, with batches, multiqueries and tight bounds (Mattausch, Bittner, Wimmer 2008)"},
+      {"hiz", "what was visible in the last frame, then what its depth does not hide: hierarchical z in two phases, on the GPU"}}},
     {"leaf", "triangles in a leaf of the hierarchy that occlusion queries go through, at most, unless one instance has more", {}, 1, 1000000000},
     {"batch", "invisible nodes that gather before chcpp asks about them", {}, 1, 1000},
     {"assumed-visible", "frames, on average, that chcpp takes a visible leaf for visible without asking", {}, 0, 1000},
@@ -35,6 +36,7 @@ const std::vector<Axis> kAxes{
       {"mask", "those whose shadow cannot reach a receiver in sight, found on the GPU"},
       {"chc", "those that other casters hide from the sun, found by occlusion queries in the sun's view (2004)"},
       {"chcpp", "the same with CHC++: the reference of the receiver masks' paper"},
+      {"hiz", "the same by hierarchical z in two phases, on the GPU"},
       {"receivers", "as chcpp, but queries count only where the map's mask of visible receivers is set (Mattausch et al. 2011)"},
       {"pyramid", "those that cover no texel that a receiver in sight looks up, or lie behind all such receivers, found on the GPU"}}},
     {"mask", "what a mask of visible receivers holds, for cull receivers",
@@ -204,6 +206,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         return fmt::format("size {} is beyond this GL's limit of {} texels", number("size"), limits.maxTextureSize);
     if (info.family == "map") {
         if (is("cull", "mask")) return "cull mask is for the volumes of instanced maps; a map has receivers and pyramid";
+        if (is("cull", "receivers") && is("camera", "hiz")) return "a mask is drawn from the instances in sight, which hierarchical z does not tell the CPU";
         if (!is("cull", "receivers") && (differs("mask") || differs("mask-test"))) return "a mask is for cull receivers";
         if (is("split", "none") && number("cascades") > 1) return "split none has one map, so cascades must be 1";
         if (is("split", "practical") && number("cascades") == 1) return "a split into 1 is split none";

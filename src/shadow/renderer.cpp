@@ -29,7 +29,7 @@ void Renderer::replan() {
         passes_.push_back(frame_.barePass());
         return;
     }
-    passes_.push_back(frame_.gbufferPass(camera_->culling()));
+    passes_.push_back(frame_.gbufferPass(camera_->culling(), camera_->asksOcclusion()));
     if (technique_) {
         for (frame::Pass& pass : technique_->passes()) passes_.push_back(std::move(pass));
     } else if (shadowed_) {

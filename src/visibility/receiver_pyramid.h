@@ -1,7 +1,7 @@
 #pragma once
 
-#include "gl/program.h"
 #include "gpuscene/instance_table.h"
+#include "visibility/max_pyramid.h"
 
 /// What a view, the camera's or the sun's, need not draw.
 namespace dapple::visibility {
@@ -20,10 +20,10 @@ public:
 
     void clear();
     /// R32UI array, keys of lib/receiver_key.glsl, to be filled with imageAtomicMax at level 0.
-    const gl::Texture& texture() const { return pyramid_; }
-    int cells() const { return pyramid_.width(); }  ///< along a side of level 0, a power of two, no more than the map has texels
+    const gl::Texture& texture() const { return pyramid_.texture(); }
+    int cells() const { return pyramid_.cells(); }  ///< along a side of level 0, a power of two, no more than the map has texels
     /// Makes the coarser levels.
-    void reduce();
+    void reduce() const { pyramid_.reduce(); }
 
     struct Map {
         int layer = 0;
@@ -36,10 +36,9 @@ public:
 
 private:
     const gpuscene::InstanceTable& table_;
-    int mapSize_, levels_;
-    gl::Texture pyramid_;
-    gl::Sampler sampler_;
-    gl::Program reduce_, cull_;
+    int mapSize_;
+    MaxPyramid pyramid_;
+    gl::Program cull_;
 };
 
 }  // namespace dapple::visibility

@@ -76,7 +76,8 @@ const std::vector<shadow::Settings> kExact{{{"cull", "frustum"}},
                                            {{"cull", "receivers"}},
                                            {{"cull", "receivers"}, {"camera", "chcpp"}, {"mask-test", "stencil"}},
                                            {{"cull", "receivers"}, {"camera", "chc"}, {"mask", "box"}},
-                                           {{"cull", "pyramid"}}};
+                                           {{"cull", "hiz"}},
+                                           {{"cull", "pyramid"}, {"camera", "hiz"}}};
 
 void expectSamePixels(Walk& walk, const std::string& technique, const shadow::Settings& sampling, const std::vector<shadow::Settings>& methods = kExact) {
     shadow::Settings all = sampling;
@@ -109,7 +110,7 @@ TEST_P(EveryMap, CullingChangesNoPixelWhateverTheSampling) {
 INSTANTIATE_TEST_SUITE_P(Registry, EveryMap, testing::Values("uniform", "focused", "lispsm", "cascaded"), [](const auto& test) { return test.param; });
 
 TEST(EveryScene, CullingChangesNoPixel) {
-    const std::vector<shadow::Settings> methods{{{"cull", "chcpp"}}, {{"cull", "receivers"}, {"camera", "chcpp"}}, {{"cull", "pyramid"}}};
+    const std::vector<shadow::Settings> methods{{{"cull", "chcpp"}}, {{"cull", "receivers"}, {"camera", "chcpp"}}, {{"cull", "hiz"}}, {{"cull", "pyramid"}, {"camera", "hiz"}}};
     bool warped = false;
     for (const scenegen::SceneEntry& entry : scenegen::listScenes()) {
         if (std::ranges::any_of(kThree, [&](const TestScene& three) { return three.name == entry.name; })) continue;
@@ -124,7 +125,7 @@ TEST(Camera, NoMethodChangesTheDepthImage) {
     for (const TestScene& scene : kThree) {
         Walk walk(scene.name, scene.settings);
         const std::vector<Walk::Image> truth = walk.images("unshadowed", {{"camera", "none"}});
-        for (const char* method : {"frustum", "chc", "chcpp"}) {
+        for (const char* method : {"frustum", "chc", "chcpp", "hiz"}) {
             const std::vector<Walk::Image> images = walk.images("unshadowed", {{"camera", method}});
             for (size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(images[i].depth, truth[i].depth) << scene.name << " " << method << " view " << i;
         }

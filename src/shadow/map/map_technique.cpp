@@ -48,6 +48,11 @@ public:
         }
         if (is("cull", "chc") || is("cull", "chcpp") || is("cull", "receivers"))
             for (Cascade& c : cascades_) c.culling = std::make_unique<visibility::ViewCulling>(frame.scene(), cullOptions(settings, settings.at("cull"), true));
+        if (is("cull", "hiz"))
+            for (int i = 0; i < layers_; ++i) {
+                cascades_[size_t(i)].layer = map_.view(i);
+                cascades_[size_t(i)].hiz = std::make_unique<visibility::HizCulling>(frame.scene(), true, false);
+            }
         if (is("cull", "receivers")) mask_.emplace(frame, settings, map_, defines);
     }
 
@@ -95,8 +100,8 @@ public:
         };
         for (const Cascade& c : cascades_) {
             if (!needed(c).empty()) continue;
-            if (pyramid_) {
-                const gpuscene::InstanceTable::Drawn drawn = frame_.scene().instanceTable().read(c.casters);
+            if (pyramid_ || c.hiz) {
+                const gpuscene::InstanceTable::Drawn drawn = c.hiz ? c.hiz->drawn() : frame_.scene().instanceTable().read(c.casters);
                 sum.instances += drawn.instances;
                 sum.triangles += drawn.triangles;
                 continue;
@@ -116,6 +121,8 @@ private:
         double far = 0;  // metres of eye depth where the next cascade begins
         gl::Framebuffer target;
         gpuscene::DrawList casters, receivers;
+        std::unique_ptr<visibility::HizCulling> hiz;
+        gl::Texture layer;  // of the map, for hiz
         std::unique_ptr<visibility::ViewCulling> culling;  // where occlusion queries decide
     };
 
@@ -170,7 +177,7 @@ private:
         Cascade& c = cascades_[size_t(index)];
         const gpuscene::GpuScene& scene = frame_.scene();
         if (pyramid_) pyramid_->choose({index, c.fit.clipFromRelative, frame_.camera().eye, 1e-3 * c.fit.leastW}, c.casters);
-        else if (!c.culling) scene.collect(frame_.camera().eye, casterTest(c), c.casters);
+        else if (!c.culling && !c.hiz) scene.collect(frame_.camera().eye, casterTest(c), c.casters);
         glBindFramebuffer(GL_FRAMEBUFFER, c.target.name());
         glViewport(0, 0, size_, size_);
         const float one = 1;
@@ -178,8 +185,10 @@ private:
         tally.texelsWritten += size_t(size_) * size_t(size_);
         glEnable(GL_DEPTH_TEST);
         glEnable(GL_DEPTH_CLAMP);  // casters in front of the receivers' range still cast
+        const auto draw = [&](const gpuscene::DrawList& list) { drawCasters(scene, list, c.fit.clipFromRelative, depth_, depthAlpha_, tally); };
         if (c.culling) drawUnoccluded(index, tally);
-        else drawCasters(scene, c.casters, c.fit.clipFromRelative, depth_, depthAlpha_, tally);
+        else if (c.hiz) c.hiz->draw({c.fit.clipFromRelative, frame_.camera().eye, 1e-3 * c.fit.leastW, c.layer}, draw);
+        else draw(c.casters);
     }
 
     /// Casters that the sun sees before others; with a mask, before others where it is set. The receivers in sight are drawn first then.
