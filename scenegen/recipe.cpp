@@ -63,6 +63,7 @@ public:
         if (t_.has("origin")) scene_.origin = vec3(t_, "origin");
         area_ = t_.number("scale", 1, 1e-4, 1e4);
         time_ = t_.number("time", 0, 0, 1e6);
+        radius_ = t_.number("radius", 0, 0, 1e9);
         readSun();
         readGround();
         readClearings();
@@ -84,6 +85,7 @@ public:
         for (Prototype& prototype : scene_.prototypes)
             for (Mesh& mesh : prototype.meshes) snapToGrid(mesh);
         if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]], a [path], a [city] or a [courtyard]");
+        if (radius_ > 0) keepAbout(scene_.views.front().eye);
         return std::move(scene_);
     }
 
@@ -91,6 +93,17 @@ private:
     static glm::dvec3 vec3(base::ConfigTable& t, const char* key) {
         const std::vector<double> v = t.numbers(key, 3);
         return {v[0], v[1], v[2]};
+    }
+
+    /// The same scene and views, with less of it around: what is left out begins farther from `eye` than the radius.
+    void keepAbout(const glm::dvec3& eye) {
+        std::vector<base::Box> boxes;
+        for (const Prototype& prototype : scene_.prototypes) boxes.push_back(prototype.box());
+        keepInstances(scene_, [&](size_t i) {
+            const Instance& instance = scene_.instances[i];
+            const base::Box box = instanceBox(boxes[instance.prototype], instance);
+            return !box.empty() && glm::distance(glm::dvec2(glm::clamp(eye, glm::dvec3(box.lo), glm::dvec3(box.hi))), glm::dvec2(eye)) <= radius_;
+        });
     }
 
     uint32_t addMaterial(Material material) {
@@ -340,6 +353,7 @@ private:
     Scene scene_;
     uint64_t seed_ = 1;
     double area_ = 1;  ///< the recipe's scale
+    double radius_ = 0;  ///< metres about the first view's eye, seen from above, beyond which nothing stands; 0: no limit
     double time_ = 0;  ///< seconds
     double groundSize_ = 0, spacing_ = 1;
     std::function<double(const glm::dvec2&)> height_, slope_;  ///< of the ground or the terrain; empty without

@@ -176,6 +176,22 @@ size_t Scene::viewIndex(const std::string& viewName) const {
     throw base::UsageError(fmt::format("scene {}: {}", name, base::unknownName("view", viewName, known)));
 }
 
+void keepInstances(Scene& scene, const std::function<bool(size_t)>& keep) {
+    constexpr uint32_t kGone = ~0u;
+    std::vector<uint32_t> now;  // index of what was instance i
+    std::vector<Instance> kept;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const bool stays = keep(i);
+        now.push_back(stays ? uint32_t(kept.size()) : kGone);
+        if (stays) kept.push_back(scene.instances[i]);
+    }
+    if (kept.size() == scene.instances.size()) return;
+    scene.instances = std::move(kept);
+    std::erase_if(scene.motions, [&](const Motion& m) { return m.instance < now.size() && now[m.instance] == kGone; });
+    for (Motion& m : scene.motions)
+        if (m.instance < now.size()) m.instance = now[m.instance];
+}
+
 void dropBadInstances(Scene& scene) {
     constexpr float kFarthest = 1e9f;
     std::vector<base::Box> boxes;
@@ -189,21 +205,13 @@ void dropBadInstances(Scene& scene) {
         const auto reaches = [](const glm::vec3& p) { return glm::all(glm::lessThan(glm::abs(p), glm::vec3(kFarthest))); };
         return reaches(box.lo) && reaches(box.hi) ? "" : fmt::format("its box reaches beyond {:g} m", kFarthest);
     };
-    constexpr uint32_t kGone = ~0u;
-    std::vector<uint32_t> now;  // index of what was instance i
-    std::vector<Instance> kept;
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
+    keepInstances(scene, [&](size_t i) {
         const Instance& instance = scene.instances[i];
         const std::string reason = reasonOf(instance);
-        now.push_back(reason.empty() ? uint32_t(kept.size()) : kGone);
-        if (reason.empty()) kept.push_back(instance);
-        else scene.dropped.push_back(fmt::format("instance {} of '{}' dropped: {}", i, instance.prototype < scene.prototypes.size() ? scene.prototypes[instance.prototype].name : "?", reason));
-    }
-    if (kept.size() == scene.instances.size()) return;
-    scene.instances = std::move(kept);
-    std::erase_if(scene.motions, [&](const Motion& m) { return m.instance < now.size() && now[m.instance] == kGone; });
-    for (Motion& m : scene.motions)
-        if (m.instance < now.size()) m.instance = now[m.instance];
+        if (!reason.empty())
+            scene.dropped.push_back(fmt::format("instance {} of '{}' dropped: {}", i, instance.prototype < scene.prototypes.size() ? scene.prototypes[instance.prototype].name : "?", reason));
+        return reason.empty();
+    });
 }
 
 void validate(const Scene& scene) {

@@ -4,6 +4,7 @@
 #include "base/math.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -149,6 +150,9 @@ struct Scene {
 
 /// Box of an instance, metres from Scene::origin: the eight corners of the prototype's box, transformed.
 base::Box instanceBox(const base::Box& prototypeBox, const Instance& instance);
+
+/// Removes the instances, by index, that `keep` does not accept, with their motions.
+void keepInstances(Scene& scene, const std::function<bool(size_t instance)>& keep);
 
 /// Removes the instances that can stand nowhere (a transform that is not finite, a scale that is not above 0, a box beyond 1e9 m), with
 /// their motions, and appends a line for each to Scene::dropped. What is left is as if they had never been there.

@@ -44,6 +44,22 @@ views = 2
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) { return text.replace(text.find(from), from.size(), to); }
 
+TEST(Recipe, ARadiusLeavesOutWhatBeginsFartherAway) {
+    const Scene all = loadScene("city-vienna", {"scale=0.05"}), near = loadScene("city-vienna", {"scale=0.05", "radius=60"});
+    ASSERT_EQ(near.views.size(), all.views.size());
+    const glm::dvec2 eye(all.views[0].eye);
+    std::vector<Instance> expected;
+    for (const Instance& i : all.instances) {
+        const dapple::base::Box box = instanceBox(all.prototypes[i.prototype].box(), i);
+        const glm::dvec2 lo(box.lo), hi(box.hi), gap = glm::max(glm::max(lo - eye, eye - hi), glm::dvec2(0));
+        if (glm::length(gap) <= 60) expected.push_back(i);
+    }
+    ASSERT_LT(expected.size(), all.instances.size());
+    ASSERT_EQ(near.instances.size(), expected.size());
+    for (size_t k = 0; k < expected.size(); ++k) EXPECT_EQ(near.instances[k].translation, expected[k].translation) << k;
+    for (const Motion& m : near.motions) EXPECT_EQ(near.instances[m.instance].translation, m.at(0));
+}
+
 }  // namespace
 
 TEST(Library, everyListedSceneLoads) {
