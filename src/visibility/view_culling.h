@@ -21,12 +21,9 @@ public:
     /// Draws into what is bound. `state`: the pass that queries are asked in. `drawn`: instances that the view has already, in
     /// a bit each; none is drawn again. Nothing: none.
     void draw(const CullView& view, const QueryState& state, const gpuscene::Submit& submit, const std::vector<bool>* drawn = nullptr);
-    /// Forgets what was visible: after a cut.
-    void cut() { state_.reset(); }
 
     /// Drawn by the last draw(), in that order.
     const std::vector<uint32_t>& instances() const { return instances_; }
-    const Statistics& statistics() const { return culler_.statistics(); }
 
 private:
     const gpuscene::GpuScene& scene_;
