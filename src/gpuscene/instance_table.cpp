@@ -77,7 +77,6 @@ InstanceTable::Drawn InstanceTable::read(const DrawList& list) const {
     for (size_t p = 0; p < firstCommand_.size(); ++p) {
         const GpuPrototype& prototype = scene_.prototypes()[p];
         const uint32_t count = prototype.meshes.empty() ? 0 : commands[firstCommand_[p]].instances;
-        drawn.ofPrototype.push_back(count);
         drawn.instances += count;
         drawn.triangles += count * prototype.triangles;
     }

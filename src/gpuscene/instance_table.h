@@ -20,7 +20,6 @@ public:
 
     /// What the shaders have put into a list. Waits for the GPU: for counters, never in a timed frame.
     struct Drawn {
-        std::vector<uint32_t> ofPrototype;  ///< instances, by prototype
         size_t instances = 0, triangles = 0;
     };
     Drawn read(const DrawList& list) const;

@@ -55,7 +55,6 @@ void HizCulling::draw(const View& view, const gpuscene::Submit& submit) {
 gpuscene::InstanceTable::Drawn HizCulling::drawn() const {
     gpuscene::InstanceTable::Drawn sum = table_.read(lists_[0]);
     const gpuscene::InstanceTable::Drawn second = table_.read(lists_[1]);
-    for (size_t p = 0; p < sum.ofPrototype.size(); ++p) sum.ofPrototype[p] += second.ofPrototype[p];
     sum.instances += second.instances;
     sum.triangles += second.triangles;
     return sum;
