@@ -68,7 +68,7 @@ public:
         if (driverBytes_) driverBytes_ = *freeBefore_ - std::min(*driverBytes_, *freeBefore_);
         if (!path_) return;
         // Passes that only a sun that has moved makes necessary are passes of every frame.
-        moveTo(1);
+        shared_->moveTo(*path_, 1);
         renderer_.replan();
         passNames_ = frame::runningPasses(renderer_.passes());
     }
@@ -104,17 +104,31 @@ public:
         if (!path_) return errorsOfFrame();
         std::vector<float> before;
         const truth::Reference* referenceBefore = nullptr;
+        truth::Receivers receiversBefore;
+        std::optional<frame::Camera> cameraBefore;
+        const auto remember = [&](const truth::Reference& reference, std::vector<float> visibility) {
+            before = std::move(visibility);
+            referenceBefore = &reference;
+            if (!path_->movesCamera()) return;
+            receiversBefore = shared_->receivers();
+            cameraBefore = shared_->frame.camera();
+        };
         return overPath([&](int frame) {
             if (frame == 1) {
-                before = renderer_.visibility();
+                std::vector<float> first = renderer_.visibility();
                 moveTo(0);
-                referenceBefore = &shared_->reference();
+                remember(shared_->reference(), std::move(first));
                 moveTo(1);
             }
             std::vector<Figure> figures = errorsOfFrame();
             std::vector<float> now = renderer_.visibility();
             const truth::Reference& reference = shared_->reference();
-            const truth::Flips flips = truth::measureFlips(*referenceBefore, reference, before, now);
+            std::vector<int32_t> same;
+            if (cameraBefore) {
+                const frame::Camera& camera = shared_->frame.camera();
+                same = truth::correspondence(receiversBefore, cameraBefore->clipFromRelative, shared_->receivers(), camera.eye - cameraBefore->eye);
+            }
+            const truth::Flips flips = truth::measureFlips(*referenceBefore, reference, before, now, same);
             figures.push_back(figure("", "flips", flips.image));
             figures.push_back(figure("", "reference_flips", flips.reference));
             figures.push_back(figure("", "excess_flips", flips.excess()));
@@ -125,8 +139,7 @@ public:
                 figures.push_back(figure("", "map_lag_mean", staleness->meanDegrees));
                 figures.push_back(figure("", "map_lag_worst", staleness->worstDegrees));
             }
-            before = std::move(now);
-            referenceBefore = &reference;
+            remember(reference, std::move(now));
             return figures;
         });
     }
@@ -141,7 +154,13 @@ public:
     std::string fallback() const override { return renderer_.fallback(); }
 
 private:
-    void moveTo(int frame) { shared_->moveTo(*path_, frame); }
+    void moveTo(int frame) {
+        shared_->moveTo(*path_, frame);
+        if (!path_->movesCamera()) return;
+        renderer_.replan();
+        if (frame::runningPasses(renderer_.passes()) != passNames_)
+            throw base::Error(base::ExitCode::failed, fmt::format("frame {} of the path needs other passes than frame 1, so that their times cannot be told together", frame));
+    }
 
     /// To the path's beginning, with nothing late.
     void restart() {
@@ -272,14 +291,15 @@ private:
     std::optional<uint64_t> freeBefore_, driverBytes_;
     shadow::Renderer renderer_;
     std::vector<std::string> passNames_;
-    std::optional<SunPath> path_;
+    std::optional<MotionPath> path_;
     long submitted_ = 0;  ///< timed frames
 };
 
 }  // namespace
 
-void SharedFrame::moveTo(const SunPath& path, int frameOfPath) {
+void SharedFrame::moveTo(const MotionPath& path, int frameOfPath) {
     frame.setSun(path.at(loaded->scene.sun, frameOfPath));
+    if (path.movesCamera()) frame.look(path.at(view, frameOfPath));
     pathFrame = frameOfPath;
 }
 

@@ -61,8 +61,8 @@ std::string pointId(const PointSpec& spec, uint64_t sceneHash) {
     hasher.value(spec.width);
     hasher.value(spec.height);
     if (spec.path) {
-        hasher.value(spec.path->azimuthPerFrame);
-        hasher.value(spec.path->elevationPerFrame);
+        const MotionPath& p = *spec.path;
+        for (const double step : {p.azimuthPerFrame, p.elevationPerFrame, p.metresPerFrame, p.heading, p.turnPerFrame}) hasher.value(step);
         hasher.value(spec.path->frames);
     }
     return base::hex16(hasher.digest());

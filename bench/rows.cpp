@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace dapple::bench {
 namespace {
@@ -93,6 +94,19 @@ private:
     const RowContext& context_;
 };
 
+/// How far frames of a path are from even: a technique that asks and waits has spikes that a median hides.
+void addSpikes(PointRows& row, const measure::ArmResult& arm) {
+    std::vector<double> ms;
+    for (const measure::Sample& s : arm.samples)
+        if (s.pass < 0 && s.ms) ms.push_back(*s.ms);
+    if (ms.empty()) return;
+    std::sort(ms.begin(), ms.end());
+    const double mean = std::accumulate(ms.begin(), ms.end(), 0.0) / double(ms.size());
+    for (const auto& [metric, value] : {std::pair("frame_time_mean", mean), {"frame_time_p95", measure::quantileOfSorted(ms, 0.95)},
+                                        {"frame_time_p99", measure::quantileOfSorted(ms, 0.99)}, {"frame_time_worst", ms.back()}})
+        row.figure({"", metric, "ms", "lower", value, ""});
+}
+
 std::string sampleRows(const PlannedPoint& point, size_t armIndex, const measure::ArmResult& arm, const RowContext& context) {
     std::string text;
     for (const measure::Sample& s : arm.samples) {
@@ -145,6 +159,7 @@ ComparisonRows comparisonRows(const Plan& plan, const Comparison& comparison, co
         const measure::ArmResult& arm = arms[i].value();
         row.times("", measure::metric::kFrameTime, arm.frame, arm.flags);
         for (const measure::PassResult& pass : arm.passes) row.times(pass.name, measure::metric::kPassTime, pass.summary, pass.flags);
+        if (plan.path) addSpikes(row, arm);
         row.figure({"", std::string(measure::metric::kFirstFrame), "ms", "lower", arm.firstFrameMs, ""});
         for (const auto& [metric, base] : {std::pair(kToUnshadowed, unshadowed), std::pair(kToBare, bare)})
             if (base && base != &arm) row.ratio(metric, measure::ratioOf(measure::roundLogRatios(arm, *base), plan.sampling.seed));

@@ -143,7 +143,10 @@ private:
         json["build"] = buildJson();
         json["machine"] = nlohmann::ordered_json::parse(workbench_.identityJson());
         if (!plan_.plot.x.empty()) json["plot"] = {{"x", plan_.plot.x}, {"y", plan_.plot.y}, {"columns", plan_.plot.columns}};
-        if (plan_.path) json["motion"] = {{"sun_azimuth_per_frame", plan_.path->azimuthPerFrame}, {"sun_elevation_per_frame", plan_.path->elevationPerFrame}, {"frames", plan_.path->frames}};
+        if (const auto& p = plan_.path)
+            json["motion"] = {{"sun_azimuth_per_frame", p->azimuthPerFrame}, {"sun_elevation_per_frame", p->elevationPerFrame},
+                              {"camera_metres_per_frame", p->metresPerFrame}, {"camera_heading", p->heading},
+                              {"camera_turn_per_frame", p->turnPerFrame}, {"frames", p->frames}};
         json["seeds"] = {{"sampling", plan_.sampling.seed}};
         json["hashes"] = {{"scenes", plan_.sceneHashes}, {"shaders", shadersHash()}};
         return json.dump(2) + "\n";

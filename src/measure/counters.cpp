@@ -14,6 +14,10 @@ using enum Better;
 constexpr std::array kMetrics{
     // time
     MetricInfo{metric::kFrameTime, "ms", lower, false, "whole frame, without fences between its passes"},
+    MetricInfo{"frame_time_mean", "ms", lower, false, "mean over the timed frames of a [motion]; the machine's own spikes are among them"},
+    MetricInfo{"frame_time_p95", "ms", lower, false, "... 95th percentile"},
+    MetricInfo{"frame_time_p99", "ms", lower, false, "... 99th percentile"},
+    MetricInfo{"frame_time_worst", "ms", lower, false, "... the slowest"},
     MetricInfo{metric::kPassTime, "ms", lower, false, "one pass, timed in frames of its own"},
     MetricInfo{metric::kFirstFrame, "ms", lower, false, "wall time of the first frame: compilation, uploads, first use"},
     // GL queries around each pass of an untimed frame
@@ -60,8 +64,8 @@ constexpr std::array kMetrics{
     MetricInfo{"edge_mean", "px", lower, true, "mean distance between the shadow boundaries of image and reference"},
     MetricInfo{"edge_p95", "px", lower, true, "95th percentile of that distance"},
     MetricInfo{"edge_max", "px", lower, true, "greatest such distance"},
-    MetricInfo{"flips", "", lower, true, "mean |visibility - that of the frame before|, over pixels valid in both"},
-    MetricInfo{"reference_flips", "", none, true, "the same of the reference: what the sun's motion changes"},
+    MetricInfo{"flips", "", lower, true, "mean |visibility - that of the frame before|, over pixels valid in both; where the camera moves, of the same surface"},
+    MetricInfo{"reference_flips", "", none, true, "the same of the reference: what the motion of sun or camera changes"},
     MetricInfo{"excess_flips", "", lower, true, "flips - reference_flips: popping; below 0 where shadows lag behind"},
     MetricInfo{"map_age_mean", "frames", lower, true, "since a map in use last showed what it is used for, mean over the maps in use"},
     MetricInfo{"map_age_worst", "frames", lower, true, "... of the oldest"},

@@ -105,18 +105,39 @@ ErrorMetrics measureError(const Reference& reference, std::span<const float> vis
     return m;
 }
 
-Flips measureFlips(const Reference& before, const Reference& now, std::span<const float> visibilityBefore, std::span<const float> visibility) {
+Flips measureFlips(const Reference& before, const Reference& now, std::span<const float> visibilityBefore, std::span<const float> visibility,
+                   std::span<const int32_t> same) {
     Flips flips;
     size_t both = 0;
     for (size_t i = 0; i < now.label.size(); ++i) {
-        if (!inOmega(before.label[i]) || !inOmega(now.label[i])) continue;
+        if (!same.empty() && same[i] < 0) continue;
+        const size_t j = same.empty() ? i : size_t(same[i]);
+        if (!inOmega(before.label[j]) || !inOmega(now.label[i])) continue;
         ++both;
-        const double change = std::abs(double(visibility[i]) - double(visibilityBefore[i]));
+        const double change = std::abs(double(visibility[i]) - double(visibilityBefore[j]));
         flips.image += std::isfinite(change) ? change : 1.0;
-        flips.reference += std::abs(double(now.value(i)) - double(before.value(i)));
+        flips.reference += std::abs(double(now.value(i)) - double(before.value(j)));
     }
     if (both > 0) flips.image /= double(both), flips.reference /= double(both);
     return flips;
+}
+
+std::vector<int32_t> correspondence(const Receivers& before, const glm::dmat4& clipBefore, const Receivers& now, const glm::dvec3& moved) {
+    std::vector<int32_t> same(now.present.size(), -1);
+    // A pixel's breadth at clip w, which is the distance along the view: the second row holds 1 / the tangent of half the view.
+    const double breadth = 2 / (before.height * glm::length(glm::dvec3(clipBefore[0][1], clipBefore[1][1], clipBefore[2][1])));
+    for (size_t i = 0; i < same.size(); ++i) {
+        if (!now.present[i]) continue;
+        const glm::dvec3 p = glm::dvec3(now.position[i]) + moved;
+        const glm::dvec4 clip = clipBefore * glm::dvec4(p, 1);
+        if (!(clip.w > 0)) continue;
+        const double x = std::floor((clip.x / clip.w + 1) / 2 * before.width), y = std::floor((1 - clip.y / clip.w) / 2 * before.height);
+        if (!(x >= 0 && x < before.width && y >= 0 && y < before.height)) continue;
+        const size_t j = size_t(y) * size_t(before.width) + size_t(x);
+        if (!before.present[j] || glm::dot(before.normal[j], now.normal[i]) < 0.9f) continue;
+        if (std::abs(glm::dot(glm::dvec3(now.normal[i]), p - glm::dvec3(before.position[j]))) <= breadth * clip.w) same[i] = int32_t(j);
+    }
+    return same;
 }
 
 double referenceFloor(const Reference& reference) {

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace dapple::truth {
 
@@ -31,15 +32,22 @@ struct ErrorMetrics {
 /// `visibility`: width · height of the reference, rows from the top, 0 = shadow, 1 = lit.
 ErrorMetrics measureError(const Reference& reference, std::span<const float> visibility);
 
-/// Change of an image from one frame to the next under a camera that stands still, means over the pixels that are in Ω in
-/// both frames; 0 without any.
+/// Change of an image from one frame to the next, means over the pixels that are in Ω in both frames; 0 without any.
 struct Flips {
     double image = 0;      ///< mean |V − V before|, not thresholded
     double reference = 0;  ///< the same of G
     /// Popping: what the image changes more than the truth does. Below 0 where it lags behind.
     double excess() const { return image - reference; }
 };
-Flips measureFlips(const Reference& before, const Reference& now, std::span<const float> visibilityBefore, std::span<const float> visibility);
+/// `same`: by pixel of now, the pixel of before that it is compared with, −1: none. Empty: the camera stood still.
+Flips measureFlips(const Reference& before, const Reference& now, std::span<const float> visibilityBefore, std::span<const float> visibility,
+                   std::span<const int32_t> same = {});
+
+/// Pixels of two frames that show the same surface, for measureFlips(): for each pixel of `now`, the one of `before` nearest to
+/// where its receiver was seen, if that shows a receiver in the same plane, to a pixel's breadth, facing the same way within
+/// 25 degrees; else −1. Half a pixel lies between the two points at most, in both the image and the truth.
+/// `clipBefore`: from metres relative to the eye that was; `moved`: from that eye to the present one, metres.
+std::vector<int32_t> correspondence(const Receivers& before, const glm::dmat4& clipBefore, const Receivers& now, const glm::dvec3& moved);
 
 /// Reference floor: the error below which a figure says nothing about a technique, a share. It is the
 /// ambiguous share plus the error of half a pixel of discretisation, measured on G itself: half of the mean,

@@ -16,7 +16,7 @@ GlWorkbench& workbench() {
     return bench;
 }
 
-PointSpec spec(const std::string& technique, shadow::Settings axes, const std::optional<SunPath>& path) {
+PointSpec spec(const std::string& technique, shadow::Settings axes, const std::optional<MotionPath>& path) {
     PointSpec s;
     s.scene = "forest-small";
     s.technique = technique;
@@ -41,7 +41,7 @@ TEST(Motion, ErrorsAreTheMeansOfSunsThatStandStill) {
             const bool instanced = *update != 0;
             if (instanced && azimuth) continue;  // fresh maps are laid out at other rotations against the sun
             SCOPED_TRACE(fmt::format("{} {} {}", technique, update, azimuth));
-            const SunPath path{azimuth ? 3.0 : 0.0, azimuth ? 0.0 : -1.5, 4};
+            const MotionPath path{azimuth ? 3.0 : 0.0, azimuth ? 0.0 : -1.5, 4};
             const shadow::Settings axes = instanced ? shadow::Settings{{"update", update}} : shadow::Settings{};
             const auto moving = byMetric(workbench().open(spec(technique, axes, path))->errors());
             double sum = 0, most = 0;
@@ -62,15 +62,33 @@ TEST(Motion, ErrorsAreTheMeansOfSunsThatStandStill) {
         }
 }
 
+TEST(Motion, AWalkIsTheMeanOfItsPlacesAndComparesWhatStaysInSight) {
+    const auto walk = [](double metres, int frames) { return MotionPath{.frames = frames, .metresPerFrame = metres, .heading = 30, .turnPerFrame = metres}; };
+    for (const char* technique : {"focused", "cascaded", "instanced"}) {
+        SCOPED_TRACE(technique);
+        const double one = byMetric(workbench().open(spec(technique, {}, walk(0.4, 2)))->errors()).at("error").value.value();
+        const double two = byMetric(workbench().open(spec(technique, {}, walk(0.8, 2)))->errors()).at("error").value.value();
+        const auto both = byMetric(workbench().open(spec(technique, {}, walk(0.4, 3)))->errors());
+        EXPECT_NE(one, two);
+        EXPECT_NEAR(both.at("error").value.value(), (one + two) / 2, 1e-9);
+        EXPECT_EQ(both.at("error").spread->max, std::max(one, two));
+        // The points compared are half a pixel apart at most: the floor of the reference is what half a pixel changes.
+        EXPECT_LT(both.at("reference_flips").value.value(), 1.5 * both.at("reference_floor").value.value());
+        EXPECT_GT(both.at("reference_flips").value.value(), 0);
+    }
+    const auto lit = byMetric(workbench().open(spec("unshadowed", {}, walk(0.4, 3)))->errors());
+    EXPECT_EQ(lit.at("flips").value, 0);
+}
+
 TEST(Motion, WhatCastsNoShadowLacksAllFlipsOfTheTruth) {
-    const auto figures = byMetric(workbench().open(spec("unshadowed", {}, SunPath{1, -0.5, 4}))->errors());
+    const auto figures = byMetric(workbench().open(spec("unshadowed", {}, MotionPath{1, -0.5, 4}))->errors());
     EXPECT_EQ(figures.at("flips").value, 0);
     EXPECT_GT(figures.at("reference_flips").value.value(), 0.01);
     EXPECT_EQ(figures.at("excess_flips").value.value(), -figures.at("reference_flips").value.value());
 }
 
 TEST(Motion, BudgetsAndCriteriaShowInTexelsAndLags) {
-    const SunPath path{0, -0.05, 9};
+    const MotionPath path{0, -0.05, 9};
     std::map<std::string, double> texels, lag;
     for (const char* update : {"regenerate", "criterion", "round-robin"}) {
         const auto point = workbench().open(spec("instanced", {{"update", update}}, path));
@@ -91,7 +109,7 @@ TEST(Motion, BudgetsAndCriteriaShowInTexelsAndLags) {
 
 TEST(Motion, TimedFramesHaveTheSamePassesThroughout) {
     for (const char* update : {"cached", "criterion", "round-robin", "regenerate"}) {
-        const auto point = workbench().open(spec("instanced", {{"update", update}}, SunPath{0, -0.02, 5}));
+        const auto point = workbench().open(spec("instanced", {{"update", update}}, MotionPath{0, -0.02, 5}));
         point->beginBlocks();
         for (int i = 0; i < 12; ++i) point->submitFrame(true);
         for (const measure::FrameTimes& times : point->drain()) EXPECT_EQ(times.passMs.size(), point->passNames().size()) << update;

@@ -109,15 +109,23 @@ TEST(Sweep, EveryNamedSweepReadsAndOpensWithItsQuestion) {
     EXPECT_EQ(codeOf([] { readSweep("no/such.toml"); }), base::ExitCode::usage);
 }
 
-TEST(Sweep, MotionIsAPathOfTheSun) {
+TEST(Sweep, MotionIsAPathOfSunAndCamera) {
     const std::string tail = "[[technique]]\nname = \"uniform\"\n";
     EXPECT_FALSE(parseSweep(kHead + tail, "s.toml").path);
-    const SunPath path = parseSweep(kHead + "[motion]\nsun_azimuth_per_frame = 0.5\nsun_elevation_per_frame = -0.25\nframes = 4\n" + tail, "s.toml").path.value();
+    const MotionPath path = parseSweep(kHead + "[motion]\nsun_azimuth_per_frame = 0.5\nsun_elevation_per_frame = -0.25\nframes = 4\n" + tail, "s.toml").path.value();
     EXPECT_EQ(path.at({100, 40}, 3).azimuth, 101.5);
     EXPECT_EQ(path.at({100, 40}, 3).elevation, 39.25);
     std::vector<int> shown;
     for (long n = 0; n < 9; ++n) shown.push_back(path.frameOf(n));
     EXPECT_EQ(shown, (std::vector<int>{0, 1, 2, 3, 2, 1, 0, 1, 2}));
+    EXPECT_FALSE(path.movesCamera());
+    const MotionPath walk = parseSweep(kHead + "[motion]\ncamera_metres_per_frame = 2\ncamera_heading = 90\ncamera_turn_per_frame = 45\nframes = 4\n" + tail, "s.toml").path.value();
+    EXPECT_TRUE(walk.movesCamera() && !walk.movesSun());
+    const scenegen::View view{.name = "", .eye = {1, 2, 3}, .forward = glm::normalize(glm::dvec3(0, 1, 0.5))};
+    const scenegen::View there = walk.at(view, 2);  // north is ahead: to the east, looking east
+    EXPECT_LT(glm::distance(there.eye, glm::dvec3(5, 2, 3)), 1e-12);
+    EXPECT_LT(glm::distance(there.forward, glm::normalize(glm::dvec3(1, 0, 0.5))), 1e-12);
+    EXPECT_NE(complaint(kHead + "[motion]\ncamera_heading = 4\nsun_elevation_per_frame = 1\n" + tail).find("camera_metres_per_frame"), std::string::npos);
     EXPECT_NE(complaint(kHead + "[motion]\nframes = 4\n" + tail).find("sun_azimuth_per_frame"), std::string::npos);
     EXPECT_NE(complaint(kHead + "[motion]\nsun_elevation_per_frame = 1\nframes = 1\n" + tail).find("frames"), std::string::npos);
     EXPECT_NE(complaint(kHead + "[motion]\nsun_elevation_per_frame = 1\nspeed = 1\n" + tail).find("speed"), std::string::npos);

@@ -229,5 +229,65 @@ TEST(Flips, CountOnlyWhatIsValidInBothFrames) {
     EXPECT_EQ(measureFlips(image({"A."}), image({"LL"}), std::vector<float>{0, 0}, std::vector<float>{1, 1}).image, 0);
 }
 
+TEST(Flips, CompareWhatAMovingCameraSawOfTheSameSurface) {
+    const Reference before = image({"LSLL"}), now = image({"SLLS"});
+    const std::vector<int32_t> same{1, 2, -1, 3};
+    const Flips flips = measureFlips(before, now, std::vector<float>{0, 0.25f, 1, 1}, std::vector<float>{0, 0, 0, 1}, same);
+    EXPECT_DOUBLE_EQ(flips.image, (0.25 + 1 + 0) / 3);
+    EXPECT_DOUBLE_EQ(flips.reference, 1.0 / 3);
+}
+
+/// What an eye sees that looks along +y, half a right angle to each side: a floor 2 m below it, and a wall at y = `wall` where x < `end`.
+Receivers yard(int size, const glm::dvec3& eye, double wall, double end) {
+    const auto n = size_t(size) * size_t(size);
+    Receivers r{size, size, std::vector<glm::vec3>(n), std::vector<glm::vec3>(n), std::vector<uint8_t>(n)};
+    for (int row = 0; row < size; ++row)
+        for (int col = 0; col < size; ++col) {
+            const glm::dvec3 ray(2 * (col + 0.5) / size - 1, 1, 1 - 2 * (row + 0.5) / size);
+            const auto i = size_t(row * size + col);
+            const double toWall = wall - eye.y, toFloor = ray.z < 0 ? (-2 - eye.z) / ray.z : 1e9;
+            const bool hitsWall = eye.x + toWall * ray.x < end && toWall < toFloor;
+            if (!hitsWall && toFloor > 500) continue;
+            r.present[i] = 1;
+            r.position[i] = ray * (hitsWall ? toWall : toFloor);
+            r.normal[i] = hitsWall ? glm::vec3(0, -1, 0) : glm::vec3(0, 0, 1);
+        }
+    return r;
+}
+
+TEST(Correspondence, FindsTheSameSurfaceOrNothing) {
+    constexpr int kSize = 64;
+    const glm::dmat4 clip = glm::transpose(glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, 1, 0), glm::dvec4(0, 0, 0, 0.1), glm::dvec4(0, 1, 0, 0)));
+    const glm::dvec3 moved(0.7, 0.4, 0.05);
+    const Receivers before = yard(kSize, {0, 0, 0}, 20, 1), now = yard(kSize, moved, 20, 1);
+    const std::vector<int32_t> same = correspondence(before, clip, now, moved);
+    int found = 0, floor = 0, hidden = 0;
+    for (size_t i = 0; i < same.size(); ++i) {
+        if (!now.present[i]) {
+            EXPECT_EQ(same[i], -1);
+            continue;
+        }
+        const glm::dvec3 p = glm::dvec3(now.position[i]) + moved;
+        // The point that was seen lies half a pixel away at most, as the eye that was saw both.
+        const glm::dvec2 seen = kSize / 2.0 * glm::dvec2(p.x / p.y, p.z / p.y);
+        if (same[i] < 0) {
+            const bool inPicture = std::max(std::abs(seen.x), std::abs(seen.y)) < kSize / 2.0;
+            hidden += inPicture;
+            continue;
+        }
+        ++found;
+        const glm::dvec3 q(before.position[size_t(same[i])]);
+        EXPECT_EQ(now.normal[i], before.normal[size_t(same[i])]);
+        floor += now.normal[i].z > 0.5f;
+        EXPECT_LE(glm::length(seen - kSize / 2.0 * glm::dvec2(q.x / q.y, q.z / q.y)), std::sqrt(0.5) + 1e-3);
+    }
+    EXPECT_GT(floor, kSize * kSize / 5);
+    EXPECT_GT(found - floor, kSize * kSize / 5);
+    EXPECT_GT(hidden, 0);   // floor that the wall's end hid
+    EXPECT_LT(hidden, kSize * 2);
+    const std::vector<int32_t> still = correspondence(before, clip, before, glm::dvec3(0));
+    for (size_t i = 0; i < still.size(); ++i) EXPECT_EQ(still[i], before.present[i] ? int32_t(i) : -1);
+}
+
 }  // namespace
 }  // namespace dapple::truth
