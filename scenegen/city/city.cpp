@@ -21,6 +21,7 @@ namespace {
 using namespace city;
 
 constexpr uint64_t kLookPurpose = 0x6c6f6f6b, kYardPurpose = 0x79617264;
+constexpr double kTile = 64;  // metres along a side of a tile of the ground
 constexpr double kViennaArea = 0.9e6, kManhattanArea = 7.7e6;  // m² at scale 1
 
 struct Colour {
@@ -62,13 +63,7 @@ private:
         const uint32_t asphalt = addMaterial(scene_, "asphalt", {0.085f, 0.085f, 0.088f}), stone = addMaterial(scene_, "pavement", {0.27f, 0.26f, 0.245f});
         const uint32_t kerbstone = addMaterial(scene_, "kerbstone", {0.36f, 0.35f, 0.33f}), lawn = addMaterial(scene_, "lawn", {0.085f, 0.125f, 0.045f});
         const uint32_t land = addMaterial(scene_, "land", {0.15f, 0.15f, 0.09f});
-        glm::dvec2 far(0);
-        for (const glm::dvec2& p : plan_.ground.corners) far = glm::max(far, glm::abs(p));
-        Mesh around, road;
-        addBox(around, {-far - 100.0, -1.0}, {far + 100.0, -0.12});
-        addPrism(road, plan_.ground, -0.5, 0);
-        // A receiver only: the roadway is the lowest thing there is.
-        place(addPrototype(scene_, "ground", {of(around, land), of(road, asphalt)}, false));
+        addRoadway(asphalt, land);
         for (size_t b = 0; b < plan_.blocks.size(); ++b) {
             const Block& block = plan_.blocks[b];
             Mesh kerbs, pavement, grass;
@@ -85,6 +80,33 @@ private:
             }
             place(addPrototype(scene_, fmt::format("pavement {}", b), {of(kerbs, kerbstone), of(pavement, stone), of(grass, lawn)}));
         }
+    }
+
+    /// In square tiles, so that what is in sight of it can be told. They receive only: the roadway is the lowest thing there is.
+    void addRoadway(uint32_t asphalt, uint32_t land) {
+        glm::dvec2 far(0);
+        for (const glm::dvec2& p : plan_.ground.corners) far = glm::max(far, glm::abs(p));
+        const glm::ivec2 last(glm::ceil((far + 100.0) / kTile - 0.5));
+        std::optional<uint32_t> whole;
+        for (int y = -last.y; y <= last.y; ++y)
+            for (int x = -last.x; x <= last.x; ++x) {
+                const glm::dvec2 centre = kTile * glm::dvec2(x, y);
+                Region road = rectangle(centre - kTile / 2, centre + kTile / 2, 0);
+                const double all = road.area();
+                for (size_t i = 0; i < plan_.ground.size() && !road.empty(); ++i) road = clip(road, plan_.ground.edge(i), 0);
+                const bool inner = !road.empty() && road.area() > all - 1e-6;
+                if (!inner || !whole) {
+                    for (glm::dvec2& p : road.corners) p -= centre;
+                    Mesh around, asphalted;
+                    if (!inner) addBox(around, glm::dvec3(-glm::dvec2(kTile / 2), -1.0), glm::dvec3(glm::dvec2(kTile / 2), -0.12));
+                    if (!road.empty()) addPrism(asphalted, road, -0.5, 0);
+                    const uint32_t tile = addPrototype(scene_, fmt::format("ground {} {}", x, y), {of(around, land), of(asphalted, asphalt)}, false);
+                    if (inner) whole = tile;
+                    addInstance(scene_, tile, {centre, 0}, {1, 0});
+                } else {
+                    addInstance(scene_, *whole, {centre, 0}, {1, 0});
+                }
+            }
     }
 
     void place(uint32_t prototype) { addInstance(scene_, prototype, glm::dvec3(0), {1, 0}); }

@@ -16,6 +16,9 @@ const std::vector<Axis> kAxes{
      {{"scene", "bounds of the whole scene"},
       {"frustum", "bounds of the view frustum ∩ scene (focusing)"},
       {"lispsm", "frustum ∩ scene, warped (Wimmer, Scherzer, Purgathofer 2004)"}}},
+    {"focus", "what a map's window is fitted to of the view",
+     {{"frustum", "the view frustum ∩ scene"},
+      {"visible", "the view frustum ∩ boxes of what the view has drawn (Mattausch et al. 2011, section 1.4): finer, and changes with what comes into sight"}}},
     {"split", "how the view's depth range is divided among maps",
      {{"none", "one map"}, {"practical", "λ · logarithmic + (1 − λ) · uniform (Zhang et al. 2006)"}}},
     {"cascades", "number of maps of a split", {}, 1, 8},
@@ -100,7 +103,7 @@ Settings withCamera(Settings settings) {
 }
 
 Settings mapPreset(const char* fit, const char* split, const char* cascades, const char* size) {
-    return withCamera({{"fit", fit},       {"split", split},      {"cascades", cascades},  {"lambda", "0.75"}, {"size", size},
+    return withCamera({{"fit", fit}, {"focus", "frustum"}, {"split", split}, {"cascades", cascades}, {"lambda", "0.75"}, {"size", size},
             {"cull", "frustum"}, {"mask", "scatter"}, {"mask-test", "sampled"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 
@@ -208,6 +211,8 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (is("cull", "mask")) return "cull mask is for the volumes of instanced maps; a map has receivers and pyramid";
         if (is("cull", "receivers") && is("camera", "hiz")) return "a mask is drawn from the instances in sight, which hierarchical z does not tell the CPU";
         if (!is("cull", "receivers") && (differs("mask") || differs("mask-test"))) return "a mask is for cull receivers";
+        if (is("focus", "visible") && is("fit", "scene")) return "fit scene has the window of everything";
+        if (is("focus", "visible") && is("camera", "hiz")) return "what hierarchical z finds in sight, the CPU does not know";
         if (is("split", "none") && number("cascades") > 1) return "split none has one map, so cascades must be 1";
         if (is("split", "practical") && number("cascades") == 1) return "a split into 1 is split none";
         if (is("split", "practical") && is("fit", "scene")) return "fit scene gives every cascade the same window";

@@ -85,6 +85,41 @@ TEST(ViewBody, EmptyWhereTheViewMissesTheScene) {
     EXPECT_TRUE(viewBody(camera, camera.near, camera.far, kWorld).empty());
 }
 
+TEST(VisibleBody, HoldsWhatIsSeenOfTheBoxesAndNoMore) {
+    const frame::Camera camera(viewAlong({0.3, 1, -0.1}, 0.3, 60), 4, 3);
+    const double near = 5, far = 45;
+    const std::vector<base::DBox> boxes{{{-2, 10, -2}, {3, 14, 4}},      // whole
+                                        {{-30, 20, -2}, {30, 24, 1}},    // across both sides
+                                        {{-100, -100, -2}, {100, 100, -1.5}},
+                                        {{5, 40, 0}, {9, 60, 3}},        // across the far end of the slice
+                                        {{0, -9, 0}, {2, -5, 2}},        // behind
+                                        {}};
+    const std::vector<glm::dvec3> body = visibleBody(camera, near, far, boxes);
+    const auto inSlice = [&](const glm::dvec3& p) { return glm::dot(p, camera.forward) >= near && glm::dot(p, camera.forward) <= far; };
+    std::vector<glm::dvec3> points;
+    for (const base::DBox& box : boxes)
+        if (!box.empty())
+            for (const glm::dvec3& p : pointsInView(camera, box, 2000))
+                if (inSlice(p)) points.push_back(p);
+    ASSERT_GT(points.size(), 4000u);
+    base::Random random(6, 0, 0);
+    for (int i = 0; i < 300; ++i) {
+        const glm::dvec3 axis = glm::normalize(glm::dvec3(random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)));
+        double bodyMax = -1e300, pointMax = -1e300;
+        for (const glm::dvec3& p : body) bodyMax = std::max(bodyMax, glm::dot(axis, p));
+        for (const glm::dvec3& p : points) pointMax = std::max(pointMax, glm::dot(axis, p));
+        EXPECT_GE(bodyMax, pointMax - 1e-9);
+    }
+    for (const glm::dvec3& p : body) {
+        for (const glm::dvec4& plane : camera.planes()) EXPECT_GE(glm::dot(glm::dvec3(plane), p) + plane.w, -1e-6);
+        EXPECT_GE(glm::dot(p, camera.forward), near - 1e-6);
+        EXPECT_LE(glm::dot(p, camera.forward), far + 1e-6);
+        EXPECT_TRUE(std::any_of(boxes.begin(), boxes.end(), [&](const base::DBox& box) {
+            return glm::all(glm::greaterThanEqual(p, box.lo - 1e-6)) && glm::all(glm::lessThanEqual(p, box.hi + 1e-6));
+        }));
+    }
+}
+
 TEST(FitLight, EveryVisiblePointIsInTheMap) {
     for (const FitKind kind : {FitKind::scene, FitKind::frustum, FitKind::lispsm})
         for (const glm::dvec3 light : {glm::dvec3(0, 0, -1), glm::dvec3(1, 1, -1), glm::dvec3(0.2, -1, -0.1), glm::dvec3(0, 1, -0.001), glm::dvec3(0, -1, -0.02)}) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dapple::shadow {
@@ -141,6 +142,30 @@ std::vector<glm::dvec3> viewBody(const frame::Camera& camera, double near, doubl
                 if (inside) vertices.push_back(p);
             }
     return vertices;
+}
+
+std::vector<glm::dvec3> visibleBody(const frame::Camera& camera, double near, double far, std::span<const base::DBox> boxes) {
+    std::array<glm::dvec4, 6> planes = camera.planes();
+    planes[0].w = -near;
+    planes[1].w = far;
+    std::vector<glm::dvec3> body;
+    for (const base::DBox& box : boxes) {
+        bool meets = !box.empty(), whole = meets;
+        for (const glm::dvec4& plane : planes) {
+            const glm::dvec3 n(plane);
+            const double centre = glm::dot(n, box.centre()) + plane.w, reach = glm::dot(glm::abs(n), box.halfSize());
+            meets &= centre + reach >= 0;
+            whole &= centre - reach >= 0;
+        }
+        if (whole) {
+            for (int corner = 0; corner < 8; ++corner)
+                body.emplace_back(corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y, corner & 4 ? box.hi.z : box.lo.z);
+        } else if (meets) {
+            const std::vector<glm::dvec3> part = viewBody(camera, near, far, box);
+            body.insert(body.end(), part.begin(), part.end());
+        }
+    }
+    return body;
 }
 
 LightFit fitLight(FitKind kind, const LightBasis& basis, const frame::Camera& camera, const std::vector<glm::dvec3>& body,

@@ -2,6 +2,7 @@
 
 #include "frame/camera.h"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ LightBasis lightBasis(const glm::dvec3& light, const glm::dvec3& viewForward);
 
 /// Vertices of frustum slice [near, far] ∩ box: what the map serves. Empty when they do not meet.
 std::vector<glm::dvec3> viewBody(const frame::Camera& camera, double near, double far, const base::DBox& sceneBox);
+
+/// The same of slice ∩ the union of `boxes`: what is seen (Mattausch et al. 2011, section 1.4).
+std::vector<glm::dvec3> visibleBody(const frame::Camera& camera, double near, double far, std::span<const base::DBox> boxes);
 
 struct LightFit {
     glm::dmat4 clipFromRelative{1};  ///< clip z in [0, 1] over the receivers; casters before it rely on depth clamp

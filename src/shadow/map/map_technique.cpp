@@ -57,7 +57,7 @@ public:
     }
 
     std::vector<frame::Pass> passes() override {
-        fitCascades();
+        fitCascades(false);  // a slice of the view that nothing can be in has nothing in sight either
         std::vector<frame::Pass> passes;
         std::vector<std::string> reads{"gbuffer", "depth"}, mapReads;
         if (mask_) mapReads = reads;
@@ -138,7 +138,7 @@ private:
     }
 
     /// Cheap enough to be redone in every frame, as a moving camera would have to.
-    void fitCascades() {
+    void fitCascades(bool drawn = true) {
         const frame::Camera& camera = frame_.camera();
         basis_ = lightBasis(frame_.light(), camera.forward);
         const base::DBox sceneBox = frame_.relativeSceneBox();
@@ -152,7 +152,12 @@ private:
                 sceneBounds.hi[k] = instances.support(axes[k]) - eye;
             }
         }
-        const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
+        std::vector<base::DBox> boxes;
+        const bool visible = drawn && is("focus", "visible");
+        if (visible)
+            for (const uint32_t i : frame_.drawnInstances()) boxes.push_back(frame_.relativeBox(i));
+        const auto bodyOf = [&](double from, double to) { return visible ? visibleBody(camera, from, to, boxes) : viewBody(camera, from, to, sceneBox); };
+        const std::vector<glm::dvec3> body = bodyOf(camera.near, camera.far);
         double near = camera.far, far = camera.near;
         for (const glm::dvec3& p : body) {
             near = std::min(near, glm::dot(p, camera.forward));
@@ -167,7 +172,7 @@ private:
             c.far = splits[size_t(i) + 1];
             // Slices overlap by a thousandth, so that rounding cannot leave a pixel between two of them.
             const double sliceNear = i == 0 ? camera.near : splits[size_t(i)] * 0.999, sliceFar = i == layers_ - 1 ? camera.far : c.far * 1.001;
-            c.body = layers_ == 1 ? body : viewBody(camera, sliceNear, sliceFar, sceneBox);
+            c.body = layers_ == 1 ? body : bodyOf(sliceNear, sliceFar);
             c.fit = fitLight(kind_, basis_, camera, c.body, sceneBounds, size_, pad);
         }
     }
@@ -175,6 +180,7 @@ private:
     void renderMap(int index, measure::Ledger& tally) {
         if (index == 0 && !marksReceivers()) fitCascades();
         Cascade& c = cascades_[size_t(index)];
+        if (c.fit.empty) return;  // nothing is in sight in its slice
         const gpuscene::GpuScene& scene = frame_.scene();
         if (pyramid_) pyramid_->choose({index, c.fit.clipFromRelative, frame_.camera().eye, 1e-3 * c.fit.leastW}, c.casters);
         else if (!c.culling && !c.hiz) scene.collect(frame_.camera().eye, casterTest(c), c.casters);
