@@ -132,7 +132,7 @@ public:
             figures.push_back(figure("", "flips", flips.image));
             figures.push_back(figure("", "reference_flips", flips.reference));
             figures.push_back(figure("", "excess_flips", flips.excess()));
-            const auto staleness = renderer_.technique() ? renderer_.technique()->staleness() : std::nullopt;
+            const auto staleness = renderer_.technique() ? renderer_.technique()->staleness() : std::nullopt;  // of the sun that moves
             if (staleness) {
                 figures.push_back(figure("", "map_age_mean", staleness->meanFrames));
                 figures.push_back(figure("", "map_age_worst", staleness->worstFrames));
@@ -213,10 +213,15 @@ private:
         }
         for (const auto& [metric, sum] : totals) figures.push_back(figure("", metric, sum));
         appendLedger(figures, "", total);
-        figures.push_back(figure("", "texels_in_use", renderer_.technique() ? double(renderer_.technique()->texelsInUse()) : 0));
+        double texels = 0, texelsInUse = 0;
+        for (size_t sun = 0; sun < renderer_.suns(); ++sun) {
+            const shadow::Technique* technique = renderer_.technique(sun);
+            const gl::Texture* map = technique ? technique->map() : nullptr;
+            if (map) texels += double(map->width()) * map->height() * std::max(map->layers(), 1);
+            if (technique) texelsInUse += double(technique->texelsInUse());
+        }
+        figures.push_back(figure("", "texels_in_use", texelsInUse));
         if (!all) return figures;
-        const gl::Texture* map = renderer_.technique() ? renderer_.technique()->map() : nullptr;
-        const double texels = map ? double(map->width()) * map->height() * std::max(map->layers(), 1) : 0;
         figures.push_back(figure("", "texels_allocated", texels));
         figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
@@ -230,11 +235,34 @@ private:
         return figures;
     }
 
+    /// Of the frame as it is, rendered once more: of each sun, in rows of its own where there are several, and their means.
     std::vector<Figure> errorsOfFrame() {
-        const truth::Reference& reference = shared_->reference();
+        const size_t suns = shared_->frame.suns();
+        std::vector<const truth::Reference*> references;
+        for (size_t sun = 0; sun < suns; ++sun) references.push_back(&shared_->reference(sun));  // it renders, too
         frame::PassObserver silent;
         renderer_.render(silent);
-        const std::vector<float> visibility = renderer_.visibility();
+        std::vector<Figure> means = errorsOf(*references[0], renderer_.visibility());
+        if (suns == 1) return means;
+        std::vector<Figure> figures;
+        for (size_t sun = 0; sun < suns; ++sun) {
+            std::vector<Figure> own = errorsOf(*references[sun], renderer_.visibility(sun));
+            for (size_t i = 0; i < own.size(); ++i) {
+                own[i].pass = fmt::format("sun {}", sun + 1);
+                if (sun == 0) continue;
+                if (means[i].value && own[i].value) *means[i].value += *own[i].value;
+                else means[i].value.reset();
+                if (means[i].flags.empty()) means[i].flags = own[i].flags;
+            }
+            figures.insert(figures.end(), own.begin(), own.end());
+        }
+        for (Figure& mean : means)
+            if (mean.value) *mean.value /= double(suns);
+        figures.insert(figures.begin(), means.begin(), means.end());
+        return figures;
+    }
+
+    static std::vector<Figure> errorsOf(const truth::Reference& reference, const std::vector<float>& visibility) {
         const bool finite = std::all_of(visibility.begin(), visibility.end(), [](float v) { return std::isfinite(v); });
         const truth::ErrorMetrics e = truth::measureError(reference, visibility);
         const std::string flags = finite ? "" : "nonfinite";
@@ -265,17 +293,23 @@ private:
     }
 
     void appendCasters(std::vector<Figure>& figures) {
-        const auto drawn = renderer_.technique() ? renderer_.technique()->castersDrawn() : std::nullopt;
-        if (!drawn) return;
-        const std::vector<uint32_t>& contributing = shared_->contributors();
         const scenegen::Scene& scene = shared_->loaded->scene;
-        double triangles = 0;
-        for (const uint32_t i : contributing) triangles += double(scene.prototypes[scene.instances[i].prototype].triangles());
-        figures.push_back(figure("", "casters_drawn", double(drawn->instances)));
-        figures.push_back(figure("", "caster_triangles_drawn", double(drawn->triangles)));
-        figures.push_back(figure("", "casters_contributing", double(contributing.size())));
+        double drawn = 0, drawnTriangles = 0, contributing = 0, triangles = 0;  // under all suns
+        bool draws = false;
+        for (size_t sun = 0; sun < renderer_.suns(); ++sun) {
+            const auto casters = renderer_.technique(sun) ? renderer_.technique(sun)->castersDrawn() : std::nullopt;
+            if (!casters) continue;
+            draws = true;
+            drawn += double(casters->instances);
+            drawnTriangles += double(casters->triangles);
+            for (const uint32_t i : shared_->contributors(sun)) ++contributing, triangles += double(scene.prototypes[scene.instances[i].prototype].triangles());
+        }
+        if (!draws) return;
+        figures.push_back(figure("", "casters_drawn", drawn));
+        figures.push_back(figure("", "caster_triangles_drawn", drawnTriangles));
+        figures.push_back(figure("", "casters_contributing", contributing));
         figures.push_back(figure("", "caster_triangles_contributing", triangles));
-        if (!contributing.empty()) figures.push_back(figure("", "casters_efficiency", double(drawn->instances) / double(contributing.size())));
+        if (contributing > 0) figures.push_back(figure("", "casters_efficiency", drawn / contributing));
     }
 
     void appendOverdraw(std::vector<Figure>& figures) {
@@ -311,8 +345,9 @@ truth::Receivers SharedFrame::receivers() {
     return frame.readReceivers();
 }
 
-const std::vector<uint32_t>& SharedFrame::contributors() {
-    const auto [known, made] = contributing.try_emplace(pathFrame);
+const std::vector<uint32_t>& SharedFrame::contributors(size_t sun) {
+    const frame::OfSun guard(frame, sun);
+    const auto [known, made] = contributing.try_emplace({pathFrame, sun});
     if (made) {
         const truth::Receivers seen = receivers();
         known->second = loaded->tracer->contributors(seen, frame.camera().eye, frame.light());
@@ -320,8 +355,10 @@ const std::vector<uint32_t>& SharedFrame::contributors() {
     return known->second;
 }
 
-const truth::Reference& SharedFrame::reference() {
-    if (const auto known = traced.find(pathFrame); known != traced.end()) return known->second;
+const truth::Reference& SharedFrame::reference(size_t sun) {
+    const frame::OfSun guard(frame, sun);
+    const std::pair key{pathFrame, sun};
+    if (const auto known = traced.find(key); known != traced.end()) return known->second;
     const truth::Receivers seen = receivers();
     truth::Reference reference;
     if (!frame.sunUp()) {
@@ -330,7 +367,7 @@ const truth::Reference& SharedFrame::reference() {
     } else {
         reference = truth::cachedReference(*loaded->tracer, loaded->hash, seen, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
     }
-    return traced.emplace(pathFrame, std::move(reference)).first->second;
+    return traced.emplace(key, std::move(reference)).first->second;
 }
 
 GlWorkbench::GlWorkbench(int device, const std::string& backend)

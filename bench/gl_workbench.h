@@ -28,18 +28,19 @@ struct SharedFrame {
     std::shared_ptr<LoadedScene> loaded;
     frame::Frame frame;
     scenegen::View view;                     ///< as the scene has it
-    std::map<int, truth::Reference> traced;  ///< by frame of the path
-    std::map<int, std::vector<uint32_t>> contributing;
+    /// By frame of the path and sun.
+    std::map<std::pair<int, size_t>, truth::Reference> traced;
+    std::map<std::pair<int, size_t>, std::vector<uint32_t>> contributing;
     int pathFrame = 0;
 
     SharedFrame(std::shared_ptr<LoadedScene> scene, const scenegen::View& seen, int width, int height)
         : loaded(std::move(scene)), frame(loaded->gpu, seen, width, height), view(seen) {}
     /// Puts sun and camera where a path has them.
     void moveTo(const MotionPath& path, int frameOfPath);
-    /// Casters that shadow a receiver in sight under its present sun, by the reference's rays; indices into Scene::instances.
-    const std::vector<uint32_t>& contributors();
-    /// The ray-traced truth of this frame, under its present sun; from the cache where it is there.
-    const truth::Reference& reference();
+    /// Casters that shadow a receiver in sight under a sun as it is now, by the reference's rays; indices into Scene::instances.
+    const std::vector<uint32_t>& contributors(size_t sun = 0);
+    /// The ray-traced truth of this frame, under a sun as it is now; from the cache where it is there.
+    const truth::Reference& reference(size_t sun = 0);
     truth::Receivers receivers();  ///< of a G-buffer pass of its own
 };
 

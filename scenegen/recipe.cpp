@@ -64,7 +64,7 @@ public:
         area_ = t_.number("scale", 1, 1e-4, 1e4);
         time_ = t_.number("time", 0, 0, 1e6);
         radius_ = t_.number("radius", 0, 0, 1e9);
-        readSun();
+        readSuns();
         readGround();
         readClearings();
         uint64_t index = 0;
@@ -111,12 +111,23 @@ private:
         return uint32_t(scene_.materials.size() - 1);
     }
 
-    void readSun() {
-        std::optional<base::ConfigTable> t = t_.table("sun");
-        if (!t) return;
-        scene_.sun.azimuth = t->number("azimuth", scene_.sun.azimuth, -360, 360);
-        scene_.sun.elevation = t->number("elevation", scene_.sun.elevation, -90, 90);
-        t->finish();
+    void readSuns() {
+        const auto place = [](base::ConfigTable& t, Sun& sun) {
+            sun.azimuth = t.number("azimuth", sun.azimuth, -360, 360);
+            sun.elevation = t.number("elevation", sun.elevation, -90, 90);
+        };
+        if (std::optional<base::ConfigTable> t = t_.table("sun")) {
+            place(*t, scene_.sun);
+            t->finish();
+        }
+        for (base::ConfigTable& t : t_.tables("further_sun")) {
+            if (scene_.furtherSuns.size() + 1 == kMostSuns) t.fail("azimuth", fmt::format("a scene has at most {} suns", kMostSuns));
+            Sun sun;
+            place(t, sun);
+            sun.strength = t.number("strength", 1, 1e-3, 100);
+            t.finish();
+            scene_.furtherSuns.push_back(sun);
+        }
     }
 
     void readGround() {

@@ -19,6 +19,7 @@ namespace dapple::scenegen {
 ///     time = 0                     # seconds: when wind and traffic are seen
 ///     selfThinning = false         # true: trees stand where they were sown, and the smaller of two that meet dies
 ///     [sun]         azimuth, elevation (degrees)
+///     [[further_sun]] azimuth, elevation, strength (of its light, the sun's being 1): each casts shadows of its own
 ///     [ground]      size (m), undulation (m), cells, albedo; no table: no ground
 ///     [terrain]     size (m), cells, relief (m), wavelength (m), octaves, gain, lacunarity, droplets (of erosion), or
 ///                   file (.png, .exr, .npz), spacing (m), vertical (m per unit); tiles, detail (m), skirt (m), albedo

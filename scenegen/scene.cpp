@@ -85,6 +85,7 @@ void Scene::moveTo(double seconds) {
 
 Facts Scene::facts() const {
     Facts f;
+    f.suns = 1 + furtherSuns.size();
     f.lights = lights.size();
     f.moving = std::any_of(motions.begin(), motions.end(), [](const Motion& m) { return m.speed > 0; });
     f.prototypes = prototypes.size();
@@ -149,6 +150,11 @@ uint64_t Scene::contentHash() const {
     }
     h.value(sun.azimuth);
     h.value(sun.elevation);
+    for (const Sun& further : furtherSuns) {
+        h.value(further.azimuth);
+        h.value(further.elevation);
+        h.value(further.strength);
+    }
     for (const LocalLight& light : lights) {
         h.value(light.position);
         h.value(light.direction);
@@ -218,6 +224,11 @@ void validate(const Scene& scene) {
     const auto fail = [&](const std::string& why) { throw base::UsageError(fmt::format("scene {}: {}", scene.name, why)); };
     requireFinite(base::allFinite(scene.origin), scene.name, "the origin");
     requireFinite(std::isfinite(scene.sun.azimuth) && std::isfinite(scene.sun.elevation), scene.name, "the sun");
+    if (scene.furtherSuns.size() >= kMostSuns) fail(fmt::format("{} suns; at most {} can be told apart", scene.furtherSuns.size() + 1, kMostSuns));
+    for (const Sun& further : scene.furtherSuns) {
+        requireFinite(std::isfinite(further.azimuth) && std::isfinite(further.elevation), scene.name, "a further sun");
+        if (!(further.strength > 0 && further.strength <= 100)) fail(fmt::format("a further sun has strength {}; it must lie in 0 < strength ≤ 100", further.strength));
+    }
     for (const Material& m : scene.materials) {
         requireFinite(base::allFinite(m.albedo) && std::isfinite(m.specular) && std::isfinite(m.shininess), scene.name,
                       "material '" + m.name + "'");

@@ -77,13 +77,18 @@ struct View {
     double near = 0.3, far = 300; ///< metres
 };
 
+/// A light so far off that its rays are parallel.
 struct Sun {
     double azimuth = 135;    ///< degrees, direction TO the sun, clockwise from north (+y) seen from above
     double elevation = 45;   ///< degrees above the horizon; ≤ 0: no direct light
+    double strength = 1;     ///< of its light, the noon sun's being 1; that of Scene::sun is 1
 
     /// Unit direction in which the light travels (away from the sun).
     glm::dvec3 direction() const;
 };
+
+/// The shading adds up so many.
+inline constexpr size_t kMostSuns = 4;
 
 /// A lamp, as KHR_lights_punctual has it: of `intensity` / d² at the distance d on a surface that faces it, fading to 0 at
 /// `range`, and from the inner to the outer angle about its axis.
@@ -116,6 +121,7 @@ struct Facts {
     bool casters = false;        ///< there is at least one casting triangle
     bool receivers = false;      ///< there is at least one triangle
     double depthRange = 1;       ///< largest far / near of the views
+    size_t suns = 1;             ///< each casts shadows of its own
     size_t lights = 0;           ///< local lights
     size_t instances = 0, prototypes = 0, materials = 0;
     size_t triangles = 0;        ///< over all instances
@@ -133,6 +139,7 @@ struct Scene {
     std::vector<Instance> instances;
     std::vector<View> views;  ///< at least one
     Sun sun;
+    std::vector<Sun> furtherSuns;  ///< as a window's reflection or a floodlight far off may be; at most kMostSuns with the first
     std::vector<LocalLight> lights;
     std::vector<Motion> motions;  ///< of moving instances; their translations are those of the last moveTo()
     std::vector<std::string> dropped;  ///< what dropBadInstances() has removed and why; not part of the content

@@ -2,7 +2,8 @@
 """plot.py DIR: draws the figures of a run and writes its table, into its folder.
 
 Work-precision diagrams (work_precision_<scene>_<size>.svg, .png, .pdf), for a stability run the heat map
-(stability.*), for a sweep with a [plot] x the error along it (error_by_<x>_<scene>_<size>.*), and table.csv, table.md. Prints the paths that it wrote. The same input gives the same bytes.
+(stability.*), for a sweep with a [plot] x the error along it (error_by_<x>_<scene>_<size>.*), for one with a [motion] frame times along its path
+(path_times_<scene>_<size>.*), and table.csv, table.md. Prints the paths that it wrote. The same input gives the same bytes.
 Exit codes: 2 not the folder of a run, 4 damaged or of another schema."""
 import re
 import sys
@@ -16,6 +17,7 @@ except ImportError as error:
 
 from curves import drawCurves  # noqa: E402
 from heat_map import drawHeatMap  # noqa: E402
+from path_times import drawPathTimes  # noqa: E402
 from results import ReportError, readRun  # noqa: E402
 from table import buildTable, markdown  # noqa: E402
 from work_precision import drawGroup  # noqa: E402
@@ -38,6 +40,9 @@ def report(folder):
     table = buildTable(run)
     paths = [writeText(folder / "table.csv", table.to_csv(index=False, lineterminator="\n")),
              writeText(folder / "table.md", markdown(run, table))]
+    if run.motion:
+        for place, points in run.points.groupby("place", sort=False):
+            paths += drawPathTimes(run, points, folder, folder / f"path_times_{slug(place)}")
     if run.plot:
         for place, points in run.points.groupby("place", sort=False):
             paths += drawCurves(run, points, folder / f"error_by_{slug(run.plot['x'])}_{slug(place)}")

@@ -31,6 +31,7 @@ class Run:
     machine: str              # what rendered and which clock, for subtitles
     stability: bool           # the plan stresses its scenes
     plot: dict                # x, y and columns of the figure that the sweep asks for; empty: error against frame time
+    motion: dict              # what moves from frame to frame; empty: nothing
     leftOut: list             # (pass, reason, techniques) of the passes that the scenes did not need
 
 
@@ -173,7 +174,7 @@ def readRun(folder):
     dropped = metrics[metrics.metric == "left_out"].merge(plan[["point_id", "technique"]], on="point_id", suffixes=("_", ""))
     leftOut = [(*key, list(dict.fromkeys(rows.technique))) for key, rows in dropped.groupby(["pass", "flags"], sort=False)]
     return Run(points, axes, describeMachine(info, sorted(set(times["backend"]) - {""})),
-               bool((plan.stress != "").any()), plot, leftOut)
+               bool((plan.stress != "").any()), plot, info.get("motion", {}), leftOut)
 
 
 def varyingAxes(points, axes):

@@ -31,6 +31,7 @@ void printStats(const scenegen::Scene& scene, double seconds) {
         line("bounds [m]", fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", f.box.lo.x, f.box.lo.y, f.box.lo.z, f.box.hi.x, f.box.hi.y, f.box.hi.z));
     line("origin [m]", fmt::format("({}, {}, {})", scene.origin.x, scene.origin.y, scene.origin.z));
     line("sun [degrees]", fmt::format("azimuth {}, elevation {}", scene.sun.azimuth, scene.sun.elevation));
+    for (const scenegen::Sun& s : scene.furtherSuns) line("further sun", fmt::format("azimuth {}, elevation {}, strength {}", s.azimuth, s.elevation, s.strength));
     for (const auto& [name, has] : {std::pair{"alpha-tested", f.alphaTested}, {"rotated", f.rotated}, {"scaled", f.scaled},
                                     {"closed casters", f.closed}, {"moving", f.moving}, {"casters", f.casters}, {"receivers", f.receivers}})
         line(name, fact(has));

@@ -41,7 +41,8 @@ public:
         for (const Instance& instance : scene_.instances) children.push_back(addInstance(instance));
         for (const View& view : scene_.views) children.push_back(addCamera(view));
         root_["extensionsUsed"] = {"KHR_lights_punctual"};
-        children.push_back(addSun());
+        children.push_back(addSun(scene_.sun));
+        for (const Sun& sun : scene_.furtherSuns) children.push_back(addSun(sun));
         for (const LocalLight& light : scene_.lights) children.push_back(addLight(light));
         root_["nodes"].push_back({{"name", "origin"}, {"translation", toJson(yUp(scene_.origin))}, {"children", children}});
         root_["scenes"] = {{{"name", scene_.name}, {"nodes", {root_["nodes"].size() - 1}}, {"extras", exactly()}}};
@@ -123,8 +124,10 @@ private:
                               {"range", l.range}, {"innerAngle", l.innerAngle}, {"outerAngle", l.outerAngle}});
         for (const Motion& m : scene_.motions)
             motions.push_back({{"instance", m.instance}, {"from", toJson(m.from)}, {"to", toJson(m.to)}, {"speed", m.speed}, {"start", m.start}});
-        return {{"origin", toJson(scene_.origin)}, {"sun", {scene_.sun.azimuth, scene_.sun.elevation}}, {"prototypes", prototypes},
-                {"instances", instances}, {"materials", materials}, {"views", views}, {"lights", lights}, {"motions", motions}};
+        Json exact = {{"origin", toJson(scene_.origin)}, {"sun", {scene_.sun.azimuth, scene_.sun.elevation}}, {"prototypes", prototypes},
+                      {"instances", instances}, {"materials", materials}, {"views", views}, {"lights", lights}, {"motions", motions}};
+        for (const Sun& s : scene_.furtherSuns) exact["furtherSuns"].push_back({s.azimuth, s.elevation, s.strength});
+        return exact;
     }
 
     size_t addNode(Json node) {
@@ -163,9 +166,9 @@ private:
         return addNode(std::move(node));
     }
 
-    size_t addSun() {
-        const glm::dvec3 d = scene_.sun.direction();
-        return addPunctual({{"name", "sun"}, {"type", "directional"}}, lookingNode("sun", glm::dvec3(0), d, acrossOf(d)));
+    size_t addSun(const Sun& sun) {
+        const glm::dvec3 d = sun.direction();
+        return addPunctual({{"name", "sun"}, {"type", "directional"}, {"intensity", sun.strength}}, lookingNode("sun", glm::dvec3(0), d, acrossOf(d)));
     }
 
     size_t addLight(const LocalLight& light) {

@@ -37,6 +37,7 @@ public:
         scene.name = gltfScene.at("name").get<std::string>();
         scene.origin = vec<glm::dvec3>(exact.at("origin"));
         scene.sun = {exact.at("sun").at(0).get<double>(), exact.at("sun").at(1).get<double>()};
+        for (const Json& s : exact.value("furtherSuns", Json::array())) scene.furtherSuns.push_back({s.at(0).get<double>(), s.at(1).get<double>(), s.at(2).get<double>()});
         readMaterials(scene, exact.at("materials"));
         for (const Json& p : exact.at("prototypes")) {
             Prototype& prototype = scene.prototypes.emplace_back();

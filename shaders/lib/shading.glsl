@@ -1,17 +1,25 @@
 // Shading of the 2004 course notes (Stamminger): in shadow the ambient term stays, the diffuse term is
 // dimmed, the specular term goes.
-uniform vec3 uLight;      // unit, direction in which the light travels
+#ifndef SUNS
+#define SUNS 1
+#endif
+uniform vec4 uSuns[SUNS]; // unit direction in which the light travels, strength
 uniform float uDaylight;  // of the sky: 1 by day, near 0 at night
 const float kShadowDim = 0.12;
 
-vec3 shade(vec3 albedo, float specular, vec3 normal, vec3 toEye, float visibility) {
+vec3 shade(vec3 albedo, float specular, vec3 normal, vec3 toEye, float visibility[SUNS]) {
     const vec3 sunColour = vec3(2.6, 2.4, 2.05), skyColour = vec3(0.36, 0.46, 0.62), groundColour = vec3(0.17, 0.15, 0.12);
     vec3 ambient = mix(groundColour, skyColour, normal.z * 0.5 + 0.5);
-    float up = uLight.z < 0.0 ? 1.0 : 0.0;  // no dimmed sun from below the horizon
-    float diffuse = up * max(dot(normal, -uLight), 0.0) * mix(kShadowDim, 1.0, visibility);
-    float h = max(dot(normal, normalize(toEye - uLight)), 0.0);
-    h *= h; h *= h; h *= h; h *= h;
-    vec3 colour = albedo * (ambient * uDaylight + sunColour * diffuse) + up * specular * h * visibility;
+    float diffuse = 0.0, highlight = 0.0;
+    for (int i = 0; i < SUNS; ++i) {
+        vec3 light = uSuns[i].xyz;
+        float up = light.z < 0.0 ? uSuns[i].w : 0.0;  // no dimmed sun from below the horizon
+        diffuse += up * max(dot(normal, -light), 0.0) * mix(kShadowDim, 1.0, visibility[i]);
+        float h = max(dot(normal, normalize(toEye - light)), 0.0);
+        h *= h; h *= h; h *= h; h *= h;
+        highlight += up * h * visibility[i];
+    }
+    vec3 colour = albedo * (ambient * uDaylight + sunColour * diffuse) + specular * highlight;
     return colour / (1.0 + 0.25 * colour);
 }
 vec3 sky(vec3 ray) {

@@ -5,5 +5,7 @@ layout(location = 0) out vec4 oColour;
 
 void main() {
     Surface s = surface();
-    oColour = vec4(shade(s.albedo, uAlbedo.a, s.normal, -normalize(vPosition), 1.0), 1.0);
+    float lit[SUNS];
+    for (int i = 0; i < SUNS; ++i) lit[i] = 1.0;
+    oColour = vec4(shade(s.albedo, uAlbedo.a, s.normal, -normalize(vPosition), lit), 1.0);
 }

@@ -4,7 +4,7 @@
 layout(binding = 1) uniform usampler2D uSurface;
 layout(binding = 2) uniform sampler2D uDepth;
 #ifdef SHADOWED
-layout(binding = 3) uniform sampler2D uVisibility;
+layout(binding = 3) uniform sampler2D uVisibility[SUNS];
 #endif
 layout(location = 0) out vec4 oColour;
 
@@ -18,10 +18,12 @@ void main() {
     uvec4 surface = texelFetch(uSurface, pixel, 0);
     vec4 albedo = unpackUnorm4x8(surface.x);
     vec3 normal = unpackNormal(surface.y);
+    float visibility[SUNS];
+    for (int i = 0; i < SUNS; ++i)
 #ifdef SHADOWED
-    float visibility = texelFetch(uVisibility, pixel, 0).r;
+        visibility[i] = texelFetch(uVisibility[i], pixel, 0).r;
 #else
-    const float visibility = 1.0;
+        visibility[i] = 1.0;
 #endif
     oColour = vec4(shade(albedo.rgb * albedo.rgb, albedo.a, normal, -ray, visibility), 1.0);
 }

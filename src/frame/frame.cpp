@@ -20,34 +20,42 @@ float daylight(double elevation) { return float(std::clamp(1 + elevation / 12, 0
 
 }  // namespace
 
+std::string ofSun(const std::string& name, size_t sun) { return sun == 0 ? name : name + "." + std::to_string(sun + 1); }
+
 /// Variants of one geometry shader: an untextured scene gets no texture coordinates, a scene without alpha no
 /// alpha test.
 struct Frame::Programs {
     gl::Program opaque, alpha;
     Attributes opaqueAttributes = Attributes::positionNormal;
 
-    Programs(const gpuscene::GpuScene& scene, const std::string& fragment) {
+    Programs(const gpuscene::GpuScene& scene, const std::string& fragment, std::vector<std::string> defines = {}) {
         if (scene.has(Bucket::opaque)) {
-            const bool textured = scene.hasOpaqueTextures();
-            opaque = gl::Program("passes/gbuffer.vert", fragment, textured ? std::vector<std::string>{"TEXTURED"} : std::vector<std::string>{});
-            if (textured) opaqueAttributes = Attributes::all;
+            std::vector<std::string> all = defines;
+            if (scene.hasOpaqueTextures()) all.push_back("TEXTURED"), opaqueAttributes = Attributes::all;
+            opaque = gl::Program("passes/gbuffer.vert", fragment, all);
         }
-        if (scene.has(Bucket::alphaTested)) alpha = gl::Program("passes/gbuffer.vert", fragment, {"TEXTURED", "ALPHA_TEST"});
+        defines.insert(defines.end(), {"TEXTURED", "ALPHA_TEST"});
+        if (scene.has(Bucket::alphaTested)) alpha = gl::Program("passes/gbuffer.vert", fragment, defines);
     }
 };
 
 Frame::Frame(const gpuscene::GpuScene& scene, const scenegen::View& view, int width, int height)
-    : scene_(&scene), camera_(view, width, height), sun_(scene.scene().sun), light_(sun_.direction()),
+    : scene_(&scene), camera_(view, width, height),
       surface_(GL_RGBA32UI, width, height), depth_(GL_DEPTH_COMPONENT32F, width, height),
-      visibility_(GL_RG16F, width, height), shaded_(GL_SRGB8_ALPHA8, width, height), noAttributes_(gl::makeVertexArray()),
+      shaded_(GL_SRGB8_ALPHA8, width, height), noAttributes_(gl::makeVertexArray()),
       nearest_(gl::makeSampler({})) {
     const gl::Texture* geometry[] = {&surface_};
-    const gl::Texture* visibility[] = {&visibility_};
     const gl::Texture* shaded[] = {&shaded_};
     gbufferTarget_ = gl::makeFramebuffer(geometry, &depth_);
-    visibilityTarget_ = gl::makeFramebuffer(visibility, nullptr);
     shadedTarget_ = gl::makeFramebuffer(shaded, nullptr);
     bareTarget_ = gl::makeFramebuffer(shaded, &depth_);
+    std::vector<scenegen::Sun> suns{scene.scene().sun};
+    suns.insert(suns.end(), scene.scene().furtherSuns.begin(), scene.scene().furtherSuns.end());
+    for (const scenegen::Sun& sun : suns) {
+        SunLight& s = suns_.emplace_back(SunLight{sun, sun.direction(), gl::Texture(GL_RG16F, width, height), {}});
+        const gl::Texture* visibility[] = {&s.visibility};
+        s.target = gl::makeFramebuffer(visibility, nullptr);
+    }
 }
 
 base::DBox Frame::relative(const base::Box& box) const {
@@ -60,8 +68,16 @@ void Frame::setView(const gl::Program& program) const {
     program.set("uForward", glm::vec4(camera_.forward, 0));
     program.set("uPixel", glm::vec2(1.0 / camera_.width, 1.0 / camera_.height));
     program.set("uClipFromRelative", glm::mat4(camera_.clipFromRelative));
-    program.set("uLight", glm::vec3(light_));
-    program.set("uDaylight", daylight(sun_.elevation));
+    program.set("uLight", glm::vec3(light()));
+    program.set("uDaylight", daylight(suns_[0].sun.elevation));
+}
+
+std::string Frame::sunsDefine() const { return "SUNS " + std::to_string(suns_.size()); }
+
+void Frame::setSuns(const gl::Program& program) const {
+    std::vector<glm::vec4> suns;
+    for (const SunLight& s : suns_) suns.emplace_back(s.light, s.sun.strength);
+    program.set("uSuns[0]", std::span<const glm::vec4>(suns));
 }
 
 void Frame::bindGeometry() const {
@@ -86,6 +102,7 @@ void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& program
     const auto draw = [&](const gl::Program& program, Bucket bucket, Attributes attributes) {
         if (!program.name()) return;
         setView(program);
+        setSuns(program);
         program.use();
         const gpuscene::DrawCount count = scene_->draw(list, bucket, attributes, program.name(), faces);
         tally.drawCalls += count.draws;
@@ -117,7 +134,7 @@ Pass Frame::gbufferPass(Culling culling, bool asksOcclusion) {
 }
 
 Pass Frame::barePass() {
-    if (!bare_) bare_ = std::make_shared<Programs>(*scene_, "passes/bare.frag");
+    if (!bare_) bare_ = std::make_shared<Programs>(*scene_, "passes/bare.frag", std::vector{sunsDefine()});
     return {"bare", {}, {"shaded"}, "every instance, nothing culled", "", [this](measure::Ledger& tally) {
                 // The loop has no visibility of its own, so its instances are listed and uploaded once.
                 if (everything_.data.empty()) scene_->collect(camera_.eye, [](uint32_t) { return true; }, everything_);
@@ -133,20 +150,21 @@ Pass Frame::barePass() {
 Pass Frame::shadePass(bool shadowed) {
     gl::Program& program = shadowed ? shade_ : shadeUnshadowed_;
     if (!program.name())
-        program = gl::Program("passes/fullscreen.vert", "passes/shade.frag", shadowed ? std::vector<std::string>{"SHADOWED"} : std::vector<std::string>{});
+        program = gl::Program("passes/fullscreen.vert", "passes/shade.frag", shadowed ? std::vector<std::string>{sunsDefine(), "SHADOWED"} : std::vector<std::string>{sunsDefine()});
     std::vector<std::string> reads{"gbuffer", "depth"};
-    if (shadowed) reads.push_back("visibility");
+    for (size_t i = 0; shadowed && i < suns_.size(); ++i) reads.push_back(ofSun("visibility", i));
     return {"shade", reads, {"shaded"}, "ambient, diffuse and specular light; shadow dims the second and removes the third", "",
             [this, &program, shadowed](measure::Ledger& tally) {
                 glBindFramebuffer(GL_FRAMEBUFFER, shadedTarget_.name());
                 glViewport(0, 0, camera_.width, camera_.height);
                 glEnable(GL_FRAMEBUFFER_SRGB);
                 setView(program);
+                setSuns(program);
                 program.use();
                 bindGeometry();
-                if (shadowed) {
-                    glBindTextureUnit(3, visibility_.name());
-                    glBindSampler(3, nearest_.name());
+                for (size_t i = 0; shadowed && i < suns_.size(); ++i) {
+                    glBindTextureUnit(GLuint(3 + i), suns_[i].visibility.name());
+                    glBindSampler(GLuint(3 + i), nearest_.name());
                 }
                 drawFullscreen();
                 ++tally.drawCalls;
@@ -213,12 +231,12 @@ truth::Receivers Frame::readReceivers() const {
     return receivers;
 }
 
-std::vector<float> Frame::readVisibility() const { return readChannel(visibility_).texels; }
+std::vector<float> Frame::readVisibility() const { return readChannel(visibility()).texels; }
 
 std::vector<uint8_t> Frame::readValidity() const {
     const auto w = size_t(camera_.width), h = size_t(camera_.height);
     std::vector<float> pairs(w * h * 2);
-    glGetTextureImage(visibility_.name(), 0, GL_RG, GL_FLOAT, GLsizei(pairs.size() * sizeof(float)), pairs.data());
+    glGetTextureImage(visibility().name(), 0, GL_RG, GL_FLOAT, GLsizei(pairs.size() * sizeof(float)), pairs.data());
     std::vector<uint8_t> valid(w * h);
     for (size_t y = 0; y < h; ++y)
         for (size_t x = 0; x < w; ++x) valid[y * w + x] = pairs[((h - 1 - y) * w + x) * 2 + 1] > 0.5f;

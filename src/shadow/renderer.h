@@ -22,29 +22,38 @@ public:
 
     /// Renders what the technique keeps from frame to frame for the frame's present sun, outside of any frame.
     void refresh() {
-        if (technique_) technique_->refresh();
+        for (size_t sun = 0; sun < techniques_.size(); ++sun)
+            if (techniques_[sun]) forSun(sun, [&] { techniques_[sun]->refresh(); });
     }
     /// False for `bare`, which has no visibility image.
     bool hasVisibility() const { return hasVisibility_; }
-    /// V of the last render(), rows from the top; all lit where the technique is `unshadowed`.
-    std::vector<float> visibility() const;
+    /// V of the last render() for a sun, rows from the top; all lit where the technique is `unshadowed`.
+    std::vector<float> visibility(size_t sun = 0) const;
     std::string fallback() const;
-    /// nullptr where no technique is needed (baselines of it, sun below the horizon).
-    const Technique* technique() const { return technique_.get(); }
+    /// Of a sun, each of which has maps of its own; nullptr where none is needed (baselines of it, sun below the horizon).
+    const Technique* technique(size_t sun = 0) const { return techniques_[sun].get(); }
+    size_t suns() const { return techniques_.size(); }
     /// Fragments per pixel of the technique's own screen-space work, or of the geometry where it has none.
     base::ImageF overdraw();
     /// Casters' volumes that hold each pixel's receiver; empty where the technique finds no candidate pixels.
     std::optional<base::ImageF> candidates();
-    size_t mapBytes() const { return technique_ ? technique_->mapBytes() : 0; }
+    size_t mapBytes() const;
 
 private:
+    template <class Work>
+    void forSun(size_t sun, const Work& work) const {
+        const frame::OfSun guard(frame_, sun);
+        work();
+    }
+    void addPassesOf(size_t sun);
+    std::optional<base::ImageF> counted(bool (Technique::*count)());  ///< the suns' counts together
+
     frame::Frame& frame_;
     const TechniqueInfo& info_;
     std::optional<CameraCulling> camera_;
     frame::Lamps lamps_;
     bool hasVisibility_ = true, shadowed_ = true;
-    std::string fallback_;
-    std::unique_ptr<Technique> technique_;
+    std::vector<std::unique_ptr<Technique>> techniques_;  ///< by sun
     std::vector<frame::Pass> passes_;
 };
 
