@@ -1,5 +1,5 @@
 // Maps fitted to what is in sight hold every receiver that is, whatever comes into sight from frame to frame.
-#include "bench/gl_workbench.h"
+#include "bench/stage.h"
 #include "scenegen/library.h"
 
 #include <gtest/gtest.h>
@@ -9,19 +9,6 @@
 namespace dapple::bench {
 namespace {
 
-GlWorkbench& workbench() {
-    static GlWorkbench bench(-1, "cpu_finish");
-    return bench;
-}
-
-struct Scene {
-    explicit Scene(const std::string& name, const std::vector<std::string>& settings)
-        : scene(scenegen::loadScene(name, settings)), gpu((workbench(), scene)), frame(gpu, scene.views.front(), 160, 120) {}
-    scenegen::Scene scene;
-    gpuscene::GpuScene gpu;
-    frame::Frame frame;
-};
-
 shadow::Settings settingsOf(const std::string& technique, shadow::Settings axes) {
     axes["focus"] = "visible";
     axes.try_emplace("size", "256");
@@ -29,7 +16,7 @@ shadow::Settings settingsOf(const std::string& technique, shadow::Settings axes)
 }
 
 TEST(Focus, EveryReceiverInSightIsInAMap) {
-    Scene s("city-vienna", {"scale=0.03"});
+    Stage s(scenegen::loadScene("city-vienna", {"scale=0.03"}));
     for (const char* technique : {"focused", "lispsm", "cascaded"})
         for (const char* camera : {"frustum", "chc", "chcpp"}) {
             SCOPED_TRACE(std::string(technique) + " " + camera);
@@ -53,7 +40,7 @@ TEST(Focus, EveryReceiverInSightIsInAMap) {
 }
 
 TEST(Focus, CullingChangesNoPixel) {
-    Scene s("city-vienna", {"scale=0.03"});
+    Stage s(scenegen::loadScene("city-vienna", {"scale=0.03"}));
     for (const char* technique : {"focused", "cascaded"}) {
         std::vector<float> all;
         for (const char* cull : {"none", "frustum", "chcpp", "receivers", "hiz", "pyramid"}) {

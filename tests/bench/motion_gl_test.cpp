@@ -1,6 +1,6 @@
 // Figures of a moving sun, against runs in which it stands still at each place of its path.
-#include "bench/gl_workbench.h"
 #include "bench/plan.h"
+#include "bench/stage.h"
 #include "base/error.h"
 
 #include <fmt/format.h>
@@ -10,11 +10,6 @@
 
 namespace dapple::bench {
 namespace {
-
-GlWorkbench& workbench() {
-    static GlWorkbench bench(-1, "cpu_finish");
-    return bench;
-}
 
 PointSpec spec(const std::string& technique, shadow::Settings axes, const std::optional<MotionPath>& path) {
     PointSpec s;

@@ -1,6 +1,6 @@
 // Several suns in one frame: each has the image that it would have alone.
 #include "base/error.h"
-#include "bench/gl_workbench.h"
+#include "bench/stage.h"
 #include "scenegen/library.h"
 
 #include <gtest/gtest.h>
@@ -10,19 +10,6 @@
 
 namespace dapple::bench {
 namespace {
-
-GlWorkbench& workbench() {
-    static GlWorkbench bench(-1, "cpu_finish");
-    return bench;
-}
-
-struct Stage {
-    explicit Stage(scenegen::Scene made) : scene(std::move(made)), gpu((workbench(), scene)), frame(gpu, scene.views.front(), 160, 120) {}
-
-    scenegen::Scene scene;
-    gpuscene::GpuScene gpu;
-    frame::Frame frame;
-};
 
 struct Images {
     std::vector<std::vector<float>> visibility;  // by sun
