@@ -194,6 +194,7 @@ private:
         }
         for (const auto& [metric, sum] : totals) figures.push_back(figure("", metric, sum));
         appendLedger(figures, "", total);
+        appendQueries(figures);
         figures.push_back(figure("", "texels_in_use", renderer_.technique() ? double(renderer_.technique()->texelsInUse()) : 0));
         if (!all) return figures;
         const gl::Texture* map = renderer_.technique() ? renderer_.technique()->map() : nullptr;
@@ -257,6 +258,19 @@ private:
         figures.push_back(figure("", "casters_contributing", double(contributing.size())));
         figures.push_back(figure("", "caster_triangles_contributing", triangles));
         if (!contributing.empty()) figures.push_back(figure("", "casters_efficiency", double(drawn->instances) / double(contributing.size())));
+    }
+
+    void appendQueries(std::vector<Figure>& figures) {
+        for (const auto& [pass, s] : renderer_.queryStatistics()) {
+            const auto add = [&, &pass = pass](const char* metric, double value) { figures.push_back(figure(pass, metric, value)); };
+            add("occlusion_queries", double(s.queries));
+            add("occlusion_multiqueries", double(s.multiqueries));
+            add("occlusion_boxes", double(s.boxes));
+            add("occlusion_bursts", double(s.bursts));
+            add("occlusion_stalls", double(s.stalls));
+            add("occlusion_stall_time", double(s.stallNs) * 1e-6);
+            add("occlusion_nodes_visited", double(s.nodesVisited));
+        }
     }
 
     void appendOverdraw(std::vector<Figure>& figures) {

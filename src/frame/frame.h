@@ -60,8 +60,8 @@ public:
     using Culling = std::function<void(const gpuscene::Submit&)>;
     /// Without a culling: the instances whose boxes meet the view frustum.
     Pass gbufferPass(Culling culling = {}, bool asksOcclusion = false);
-    /// Instances that the last G-buffer pass drew; empty where the GPU chose them.
-    const std::vector<uint32_t>& drawnInstances() const { return drawn_; }
+    /// Items, of whatever Items the culling has, that the last G-buffer pass drew; empty where the GPU chose them.
+    const std::vector<uint32_t>& drawnItems() const { return drawn_; }
     Pass shadePass(bool shadowed);
     Pass barePass();  ///< everything, nothing culled, forward, straight to `shaded`
 
@@ -81,6 +81,8 @@ private:
     struct Programs;
     base::DBox relative(const base::Box& box) const;
     void setGeometryState() const;
+    void setView(const Programs& programs) const;
+    void collectInView();
     void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally,
                       gpuscene::Faces faces = gpuscene::Faces::front);
 

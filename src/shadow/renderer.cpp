@@ -57,6 +57,13 @@ std::string Renderer::fallback() const {
     return text;
 }
 
+std::vector<std::pair<std::string, visibility::Statistics>> Renderer::queryStatistics() const {
+    std::vector<std::pair<std::string, visibility::Statistics>> result;
+    if (technique_) result = technique_->queryStatistics();
+    if (camera_ && camera_->statistics()) result.insert(result.begin(), {"gbuffer", *camera_->statistics()});
+    return result;
+}
+
 base::ImageF Renderer::overdraw() {
     frame::PassObserver silent;
     render(silent);  // the depth that the count is tested against
