@@ -213,6 +213,7 @@ private:
         }
         for (const auto& [metric, sum] : totals) figures.push_back(figure("", metric, sum));
         appendLedger(figures, "", total);
+        appendQueries(figures);
         double texels = 0, texelsInUse = 0;
         for (size_t sun = 0; sun < renderer_.suns(); ++sun) {
             const shadow::Technique* technique = renderer_.technique(sun);
@@ -310,6 +311,19 @@ private:
         figures.push_back(figure("", "casters_contributing", contributing));
         figures.push_back(figure("", "caster_triangles_contributing", triangles));
         if (contributing > 0) figures.push_back(figure("", "casters_efficiency", drawn / contributing));
+    }
+
+    void appendQueries(std::vector<Figure>& figures) {
+        for (const auto& [pass, s] : renderer_.queryStatistics()) {
+            const auto add = [&, &pass = pass](const char* metric, double value) { figures.push_back(figure(pass, metric, value)); };
+            add("occlusion_queries", double(s.queries));
+            add("occlusion_multiqueries", double(s.multiqueries));
+            add("occlusion_boxes", double(s.boxes));
+            add("occlusion_bursts", double(s.bursts));
+            add("occlusion_stalls", double(s.stalls));
+            add("occlusion_stall_time", double(s.stallNs) * 1e-6);
+            add("occlusion_nodes_visited", double(s.nodesVisited));
+        }
     }
 
     void appendOverdraw(std::vector<Figure>& figures) {

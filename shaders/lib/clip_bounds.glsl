@@ -1,4 +1,4 @@
-// Where the box of an instance lies in a view, for culling in compute shaders. Needs lib/instance_table.glsl.
+// Where a box lies in a view, for culling in compute shaders. Needs lib/item_table.glsl.
 uniform mat4 uClip;     // of the view, from metres relative to the eye
 uniform float uLeastW;  // clip w up to which nothing is known of a box
 
@@ -8,11 +8,11 @@ struct ClipBounds {
     bool outside;  // all corners are beyond one side of the view, whatever their w
 };
 
-ClipBounds clipBounds(TableInstance i, TablePrototype p, vec3 position) {
+ClipBounds clipBounds(Box box) {
     ClipBounds bounds = ClipBounds(vec3(1e30), vec3(-1e30), true, false);
     bvec4 beyond = bvec4(true);
     for (uint corner = 0u; corner < 8u; ++corner) {
-        vec4 q = uClip * vec4(boxCorner(i, p, position, corner), 1.0);
+        vec4 q = uClip * vec4(boxCorner(box, corner), 1.0);
         bounds.known = bounds.known && q.w > uLeastW;
         bvec4 here = lessThan(vec4(q.x, -q.x, q.y, -q.y) + q.w, vec4(-1e-4 * abs(q.w)));
         beyond = bvec4(beyond.x && here.x, beyond.y && here.y, beyond.z && here.z, beyond.w && here.w);

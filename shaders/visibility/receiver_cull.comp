@@ -1,14 +1,14 @@
 // Keeps the casters that can darken a receiver in sight: those whose box, seen from the sun, covers a cell in which some
 // receiver lies farther from the sun than the box begins.
-#include "lib/instance_table.glsl"
+#include "lib/item_table.glsl"
 #include "lib/clip_bounds.glsl"
 #include "lib/receiver_key.glsl"
-layout(local_size_x = 64) in;
 layout(binding = 0) uniform usampler2DArray uReceivers;
 uniform int uLayer, uLevels;
 uniform float uCells;       // a side of the finest level
 uniform float uMargin;      // cells that rasterisation and rounding may reach beyond the box
 uniform float uDepthSlack;  // the same of its depth
+shared bool groupAsked;
 
 // Three axes that may separate the box's image from a square: the normals of its edges, or of their mean where a warp turns
 // them. xy: the axis; zw: where the image lies along it. In cells.
@@ -37,12 +37,12 @@ bool covers(vec4 axes[3], vec2 centre, float halfSide) {
 struct Prism {
     vec3 centre, edge[3];
 };
-Prism prismOf(TableInstance i, TablePrototype p, vec3 position) {
-    vec3 toCells = vec3(0.5 * uCells, 0.5 * uCells, 1.0), corner = (uClip * vec4(boxCorner(i, p, position, 0u), 1.0)).xyz;
+Prism prismOf(Box box) {
+    vec3 toCells = vec3(0.5 * uCells, 0.5 * uCells, 1.0), corner = (uClip * vec4(boxCorner(box, 0u), 1.0)).xyz;
     Prism prism;
     prism.centre = corner;
     for (int k = 0; k < 3; ++k) {
-        prism.edge[k] = 0.5 * ((uClip * vec4(boxCorner(i, p, position, 1u << k), 1.0)).xyz - corner);
+        prism.edge[k] = 0.5 * ((uClip * vec4(boxCorner(box, 1u << k), 1.0)).xyz - corner);
         prism.centre += prism.edge[k];
         prism.edge[k] *= toCells;
     }
@@ -63,49 +63,53 @@ float beginning(Prism prism, vec2 centre, float halfSide) {
 }
 #endif
 
-void main() {
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= uint(uInstances)) return;
-    TableInstance i = tableInstances[index];
-    TablePrototype p = tablePrototypes[i.prototype];
-    if (p.casts == 0u) return;
-    vec3 position = relativePosition(i);
-    ClipBounds bounds = clipBounds(i, p, position);
-    if (bounds.outside) return;
-    if (bounds.known) {
-        vec2 first = floor((bounds.lo.xy * 0.5 + 0.5) * uCells - uMargin), last = floor((bounds.hi.xy * 0.5 + 0.5) * uCells + uMargin);
-        if (any(lessThan(last, vec2(0.0))) || any(greaterThanEqual(first, vec2(uCells)))) return;
-        ivec2 a = ivec2(max(first, vec2(0.0))), b = ivec2(min(last, vec2(uCells - 1.0)));
-        // A quick look at few large cells; most casters are done with it.
-        int level = levelOf(a, b, uLevels, 2);
-        uint most = 0u;
-        for (int y = a.y >> level; y <= b.y >> level; ++y)
-            for (int x = a.x >> level; x <= b.x >> level; ++x) most = max(most, texelFetch(uReceivers, ivec3(x, y, uLayer), level).r);
-        if (most == 0u || bounds.lo.z - uDepthSlack >= depthOfKey(most)) return;
-        level = levelOf(a, b, uLevels, CELLS);
-        vec2 corners[8];
-        for (uint corner = 0u; corner < 8u; ++corner) {
-            vec4 q = uClip * vec4(boxCorner(i, p, position, corner), 1.0);
-            corners[corner] = (q.xy / q.w * 0.5 + 0.5) * uCells;
-        }
-        vec4 axes[3] = separators(corners);
-#ifndef WARPED
-        Prism box = prismOf(i, p, position);
-#endif
-        bool needed = false;
-        for (int y = a.y >> level; y <= b.y >> level && !needed; ++y)
-            for (int x = a.x >> level; x <= b.x >> level && !needed; ++x) {
-                uint farthest = texelFetch(uReceivers, ivec3(x, y, uLayer), level).r;
-                if (farthest == 0u) continue;
-                float side = float(1 << level), begins = bounds.lo.z;
-                vec2 centre = (vec2(x, y) + 0.5) * side;
-                if (!covers(axes, centre, 0.5 * side + uMargin)) continue;
-#ifndef WARPED
-                begins = max(begins, beginning(box, centre, 0.5 * side + uMargin));
-#endif
-                needed = begins - uDepthSlack < depthOfKey(farthest);
-            }
-        if (!needed) return;
+bool mayDarken(Box box) {
+    ClipBounds bounds = clipBounds(box);
+    if (bounds.outside) return false;
+    if (!bounds.known) return true;
+    vec2 first = floor((bounds.lo.xy * 0.5 + 0.5) * uCells - uMargin), last = floor((bounds.hi.xy * 0.5 + 0.5) * uCells + uMargin);
+    if (any(lessThan(last, vec2(0.0))) || any(greaterThanEqual(first, vec2(uCells)))) return false;
+    ivec2 a = ivec2(max(first, vec2(0.0))), b = ivec2(min(last, vec2(uCells - 1.0)));
+    // A quick look at few large cells; most casters are done with it.
+    int level = levelOf(a, b, uLevels, 2);
+    uint most = 0u;
+    for (int y = a.y >> level; y <= b.y >> level; ++y)
+        for (int x = a.x >> level; x <= b.x >> level; ++x) most = max(most, texelFetch(uReceivers, ivec3(x, y, uLayer), level).r);
+    if (most == 0u || bounds.lo.z - uDepthSlack >= depthOfKey(most)) return false;
+    level = levelOf(a, b, uLevels, CELLS);
+    vec2 corners[8];
+    for (uint corner = 0u; corner < 8u; ++corner) {
+        vec4 q = uClip * vec4(boxCorner(box, corner), 1.0);
+        corners[corner] = (q.xy / q.w * 0.5 + 0.5) * uCells;
     }
-    addToList(i, p, position);
+    vec4 axes[3] = separators(corners);
+#ifndef WARPED
+    Prism prism = prismOf(box);
+#endif
+    for (int y = a.y >> level; y <= b.y >> level; ++y)
+        for (int x = a.x >> level; x <= b.x >> level; ++x) {
+            uint farthest = texelFetch(uReceivers, ivec3(x, y, uLayer), level).r;
+            if (farthest == 0u) continue;
+            float side = float(1 << level), begins = bounds.lo.z;
+            vec2 centre = (vec2(x, y) + 0.5) * side;
+            if (!covers(axes, centre, 0.5 * side + uMargin)) continue;
+#ifndef WARPED
+            begins = max(begins, beginning(prism, centre, 0.5 * side + uMargin));
+#endif
+            if (begins - uDepthSlack < depthOfKey(farthest)) return true;
+        }
+    return false;
+}
+
+void main() {
+    uint group = groupIndex(), local = gl_LocalInvocationIndex;
+    if (group >= uint(uGroups)) return;
+    TableGroup g = tableGroups[group];
+    if (local == 0u) groupAsked = mayDarken(boxOf(g));
+    barrier();
+    if (local >= g.count || !groupAsked) return;
+    TableItem i = tableItems[g.first + local];
+    TablePart p = tableParts[i.part];
+    Box box = boxOf(i, p);
+    if (mayDarken(box)) addToList(p, box);
 }

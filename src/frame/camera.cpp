@@ -28,11 +28,12 @@ std::array<glm::dvec4, 6> Camera::planes() const {
 
 bool Camera::mayContain(const base::DBox& box) const {
     if (box.empty()) return false;
+    // A millionth of slack: the vertices are transformed in float. Of the whole box, so that no part of it is kept alone.
+    const double slack = 1e-6 * glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi)));
     for (const glm::dvec4& plane : planes()) {
         const glm::dvec3 n(plane);
         const glm::dvec3 farthest(n.x > 0 ? box.hi.x : box.lo.x, n.y > 0 ? box.hi.y : box.lo.y, n.z > 0 ? box.hi.z : box.lo.z);
-        // A millionth of slack: the vertices are transformed in float.
-        if (glm::dot(n, farthest) + plane.w < -1e-6 * glm::length(farthest)) return false;
+        if (glm::dot(n, farthest) + plane.w < -slack) return false;
     }
     return true;
 }

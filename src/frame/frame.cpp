@@ -18,6 +18,9 @@ glm::dvec3 unpackNormal(uint32_t packed) {
 /// Light of the sky: whole while the sun is up, a twentieth from nautical dusk (12 degrees below the horizon) on.
 float daylight(double elevation) { return float(std::clamp(1 + elevation / 12, 0.05, 1.0)); }
 
+/// Triangles in a leaf of the hierarchy that what is in view is found in.
+constexpr uint64_t kViewLeaf = 10'000;
+
 }  // namespace
 
 std::string ofSun(const std::string& name, size_t sun) { return sun == 0 ? name : name + "." + std::to_string(sun + 1); }
@@ -97,12 +100,21 @@ void Frame::setGeometryState() const {
     glDepthFunc(GL_GREATER);
 }
 
+void Frame::setView(const Programs& programs) const {
+    for (const gl::Program* program : {&programs.opaque, &programs.alpha})
+        if (program->name()) setView(*program), setSuns(*program);
+}
+
+void Frame::collectInView() {
+    std::vector<uint32_t> inView;
+    scene_->hierarchy(kViewLeaf, false).selectItems([this](const base::Box& box) { return camera_.mayContain(relative(box)); }, inView);
+    scene_->items().collect(camera_.eye, inView, visible_);
+}
+
 void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally, gpuscene::Faces faces) {
     setGeometryState();
     const auto draw = [&](const gl::Program& program, Bucket bucket, Attributes attributes) {
         if (!program.name()) return;
-        setView(program);
-        setSuns(program);
         program.use();
         const gpuscene::DrawCount count = scene_->draw(list, bucket, attributes, program.name(), faces);
         tally.drawCalls += count.draws;
@@ -116,7 +128,7 @@ Pass Frame::gbufferPass(Culling culling, bool asksOcclusion) {
     if (!gbuffer_) gbuffer_ = std::make_shared<Programs>(*scene_, "passes/gbuffer.frag");
     if (!culling)
         culling = [this](const gpuscene::Submit& submit) {
-            scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
+            collectInView();
             submit(visible_);
         };
     return {"gbuffer", {}, {"gbuffer", "depth"}, "colour, normals and depth of what the view sees", "", [this, culling](measure::Ledger& tally) {
@@ -125,10 +137,11 @@ Pass Frame::gbufferPass(Culling culling, bool asksOcclusion) {
                 // Colour needs no clearing: pixels that no triangle covers are sky by their depth.
                 glClearBufferfv(GL_DEPTH, 0, zero);
                 setGeometryState();
+                setView(*gbuffer_);  // once, however often the culling draws
                 drawn_.clear();
                 culling([&](const gpuscene::DrawList& list) {
                     drawGeometry(list, *gbuffer_, tally);
-                    drawn_.insert(drawn_.end(), list.instances.begin(), list.instances.end());
+                    drawn_.insert(drawn_.end(), list.items.begin(), list.items.end());
                 });
             }, asksOcclusion};
 }
@@ -143,6 +156,7 @@ Pass Frame::barePass() {
                 glEnable(GL_FRAMEBUFFER_SRGB);
                 glClearBufferfv(GL_COLOR, 0, zero);
                 glClearBufferfv(GL_DEPTH, 0, zero);
+                setView(*bare_);
                 drawGeometry(everything_, *bare_, tally, gpuscene::Faces::both);
             }};
 }
@@ -189,7 +203,7 @@ gl::Framebuffer& Frame::overdrawTarget() {
 void Frame::countGeometry() {
     overdrawTarget();
     if (!count_) count_ = std::make_shared<Programs>(*scene_, "passes/count.frag");
-    scene_->collect(camera_.eye, [this](uint32_t i) { return camera_.mayContain(relativeBox(i)); }, visible_);
+    collectInView();
     const float zero[4] = {0, 0, 0, 0};
     gl::resetState();
     glBindFramebuffer(GL_FRAMEBUFFER, countTarget_.name());
@@ -198,6 +212,7 @@ void Frame::countGeometry() {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     measure::Ledger ignored;
+    setView(*count_);
     drawGeometry(visible_, *count_, ignored);
     gl::resetState();
 }

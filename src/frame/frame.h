@@ -42,7 +42,8 @@ public:
     const scenegen::Sun& sun() const { return suns_[current_].sun; }
     const glm::dvec3& light() const { return suns_[current_].light; }  ///< unit, direction in which the light travels
     bool sunUp() const { return light().z < 0; }
-    /// Box of an instance, or of the whole scene, relative to the eye.
+    /// A box, that of an instance, or of the whole scene, relative to the eye.
+    base::DBox relative(const base::Box& box) const;
     base::DBox relativeBox(uint32_t instance) const { return relative(scene_->instanceBoxes()[instance]); }
     base::DBox relativeSceneBox() const { return relative(scene_->box()); }
 
@@ -65,8 +66,8 @@ public:
     using Culling = std::function<void(const gpuscene::Submit&)>;
     /// Without a culling: the instances whose boxes meet the view frustum.
     Pass gbufferPass(Culling culling = {}, bool asksOcclusion = false);
-    /// Instances that the last G-buffer pass drew; empty where the GPU chose them.
-    const std::vector<uint32_t>& drawnInstances() const { return drawn_; }
+    /// Items, of whatever Items the culling has, that the last G-buffer pass drew; empty where the GPU chose them.
+    const std::vector<uint32_t>& drawnItems() const { return drawn_; }
     Pass shadePass(bool shadowed);  ///< of all suns
     Pass barePass();  ///< everything, nothing culled, forward, straight to `shaded`
 
@@ -85,8 +86,9 @@ public:
 private:
     friend class OfSun;
     struct Programs;
-    base::DBox relative(const base::Box& box) const;
     void setGeometryState() const;
+    void setView(const Programs& programs) const;
+    void collectInView();
     void drawGeometry(const gpuscene::DrawList& list, const Programs& programs, measure::Ledger& tally,
                       gpuscene::Faces faces = gpuscene::Faces::front);
 

@@ -1,13 +1,10 @@
 #include "gpuscene/gpu_scene.h"
 
-#include "gpuscene/instance_table.h"
-
 #include <glm/gtc/packing.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 
 namespace dapple::gpuscene {
 namespace {
@@ -94,7 +91,9 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
     // Alpha is tested as the reference tests it: nearest texel of level 0.
     alphaSampler_ = gl::makeSampler({GL_NEAREST, false, GL_REPEAT});
 
-    boxes_.resize(scene.instances.size());
+    std::vector<Part> parts;
+    for (uint32_t p = 0; p < prototypes_.size(); ++p) parts.push_back({p, prototypes_[p].box, prototypes_[p].castsShadow, prototypes_[p].triangles, prototypes_[p].meshes});
+    items_.emplace_back(scene, std::move(parts));
     instancesMoved();
 
     struct Layout {
@@ -133,21 +132,9 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
 }
 
 void GpuScene::instancesMoved() {
+    for (Items& items : items_) items.instancesMoved();
     box_ = {};
-    std::vector<uint32_t> moved;
-    std::vector<base::Box> movedBoxes;
-    for (uint32_t i = 0; i < boxes_.size(); ++i) {
-        const scenegen::Instance& instance = scene_->instances[i];
-        const base::Box box = scenegen::instanceBox(prototypes_[instance.prototype].box, instance);
-        if (box.lo != boxes_[i].lo || box.hi != boxes_[i].hi) {
-            moved.push_back(i);
-            movedBoxes.push_back(box);
-        }
-        boxes_[i] = box;
-        box_.extend(box);
-    }
-    for (auto& [settings, hierarchy] : hierarchies_) hierarchy.refit(moved, movedBoxes);
-    if (instanceTable_) instanceTable_->upload();
+    for (const base::Box& box : instanceBoxes()) box_.extend(box);
 }
 
 size_t GpuScene::bufferBytes() const {
@@ -162,70 +149,26 @@ size_t GpuScene::textureBytes() const {
     return sum;
 }
 
-const Hierarchy& GpuScene::hierarchy(uint64_t leafTriangles, bool castersOnly) const {
-    auto [entry, made] = hierarchies_.try_emplace({leafTriangles, castersOnly});
-    if (made) {
-        std::vector<base::Box> boxes;
-        std::vector<uint32_t> triangles;
-        for (uint32_t i = 0; i < boxes_.size(); ++i) {
-            const GpuPrototype& prototype = prototypes_[scene_->instances[i].prototype];
-            boxes.push_back(castersOnly && !prototype.castsShadow ? base::Box{} : boxes_[i]);
-            triangles.push_back(uint32_t(prototype.triangles));
-        }
-        entry->second = Hierarchy(boxes, triangles, {.leafTriangles = leafTriangles});
-    }
-    return entry->second;
-}
-
 void GpuScene::collect(const glm::dvec3& eye, const std::function<bool(uint32_t)>& keep, DrawList& list) const {
     std::vector<uint32_t> kept;
-    for (uint32_t i = 0; i < boxes_.size(); ++i)
-        if (!boxes_[i].empty() && keep(i)) kept.push_back(i);
-    collect(eye, kept, list);
+    for (uint32_t i = 0; i < instanceBoxes().size(); ++i)
+        if (!instanceBoxes()[i].empty() && keep(i)) kept.push_back(i);
+    items().collect(eye, kept, list);
 }
 
-void GpuScene::collect(const glm::dvec3& eye, std::span<const uint32_t> instances, DrawList& list) const {
-    struct Item {
-        uint32_t instance, prototype;
-        double distance;
-    };
-    std::vector<Item> items;
-    items.reserve(instances.size());
-    for (const uint32_t i : instances) {
-        const glm::dvec3 nearest = glm::clamp(eye, glm::dvec3(boxes_[i].lo), glm::dvec3(boxes_[i].hi));
-        items.push_back({i, scene_->instances[i].prototype, glm::distance(nearest, eye)});
-    }
-    // Nearest first within a prototype, and prototypes by their nearest instance: early depth rejection.
-    std::vector<double> nearestOf(prototypes_.size(), 1e300);
-    for (const Item& item : items) nearestOf[item.prototype] = std::min(nearestOf[item.prototype], item.distance);
-    std::sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
-        if (a.prototype != b.prototype) {
-            const double da = nearestOf[a.prototype], db = nearestOf[b.prototype];
-            return da != db ? da < db : a.prototype < b.prototype;
-        }
-        return a.distance != b.distance ? a.distance < b.distance : a.instance < b.instance;
-    });
-    list.data.clear();
-    list.instances.clear();
-    list.ranges.clear();
-    for (const Item& item : items) {
-        const scenegen::Instance& instance = scene_->instances[item.instance];
-        if (list.ranges.empty() || list.ranges.back().prototype != item.prototype)
-            list.ranges.push_back({item.prototype, uint32_t(list.data.size()), 0});
-        ++list.ranges.back().count;
-        list.data.push_back({glm::vec3(glm::dvec3(instance.translation) - eye), instance.scale,
-                             {float(std::cos(double(instance.yaw))), float(std::sin(double(instance.yaw)))}});
-        list.instances.push_back(item.instance);
-    }
-    list.upload();
-}
+/// Where a program has them.
+struct GpuScene::Uniforms {
+    explicit Uniforms(GLuint p)
+        : program(p), grid(glGetUniformLocation(p, "uGrid")), albedo(glGetUniformLocation(p, "uAlbedo")), textured(glGetUniformLocation(p, "uTextured")) {}
+    GLuint program;
+    GLint grid, albedo, textured;
+};
 
-void GpuScene::setMaterial(uint32_t index, GLuint program) const {
+void GpuScene::setMaterial(uint32_t index, const Uniforms& uniforms) const {
     const scenegen::Material& material = scene_->materials[index];
     const bool textured = material.texture >= 0;
-    glProgramUniform4f(program, glGetUniformLocation(program, "uAlbedo"), material.albedo.r, material.albedo.g,
-                       material.albedo.b, material.specular);
-    glProgramUniform1i(program, glGetUniformLocation(program, "uTextured"), textured);
+    glProgramUniform4f(uniforms.program, uniforms.albedo, material.albedo.r, material.albedo.g, material.albedo.b, material.specular);
+    glProgramUniform1i(uniforms.program, uniforms.textured, textured);
     if (!textured) return;
     const GLuint name = textures_[size_t(material.texture)].name();
     glBindTextureUnit(0, name);
@@ -234,43 +177,33 @@ void GpuScene::setMaterial(uint32_t index, GLuint program) const {
     glBindSampler(1, alphaSampler_.name());
 }
 
-void GpuScene::drawMeshes(uint32_t prototype, Bucket bucket, Attributes attributes, GLuint program, Faces faces, uint32_t& material,
-                          const std::function<void(const GpuMesh&, GLenum)>& submit) const {
-    const GLint gridLocation = glGetUniformLocation(program, "uGrid");
-    for (const GpuMesh& mesh : prototypes_[prototype].meshes) {
-        if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
-        if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, program);
-        (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
-        glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
-        glProgramUniform4fv(program, gridLocation, 1, &mesh.packing.grid.x);
-        submit(mesh, mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT);
-    }
-}
-
 DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces) const {
     DrawCount count;
+    if (list.ranges.empty()) return count;
     for (const auto& arrays : arrays_)
         glVertexArrayVertexBuffer(arrays[int(attributes)].name(), kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
+    if (list.commands) glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.commands.name());
+    const Uniforms uniforms(program);
+    const std::span<const Part> parts = list.parts.empty() ? items().parts() : list.parts;
     uint32_t material = ~0u;
-    if (list.commands) {
-        glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.commands.name());
-        size_t command = 0;  // of the prototype's first mesh, of either bucket
-        for (uint32_t p = 0; p < prototypes_.size(); ++p) {
-            const GpuMesh* first = prototypes_[p].meshes.data();
-            drawMeshes(p, bucket, attributes, program, faces, material, [&](const GpuMesh& mesh, GLenum type) {
-                glDrawElementsIndirect(GL_TRIANGLES, type, reinterpret_cast<const void*>((command + size_t(&mesh - first)) * sizeof(IndirectCommand)));
-                ++count.draws;
-            });
-            command += prototypes_[p].meshes.size();
-        }
-    } else {
-        for (const DrawList::Range& range : list.ranges)
-            drawMeshes(range.prototype, bucket, attributes, program, faces, material, [&](const GpuMesh& mesh, GLenum type) {
+    for (const DrawList::Range& range : list.ranges) {
+        size_t command = range.first;
+        for (const GpuMesh& mesh : parts[range.part].meshes) {
+            const size_t own = command++;
+            if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
+            if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, uniforms);
+            (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
+            glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
+            glProgramUniform4fv(program, uniforms.grid, 1, &mesh.packing.grid.x);
+            const GLenum type = mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT;
+            if (list.commands)
+                glDrawElementsIndirect(GL_TRIANGLES, type, reinterpret_cast<const void*>(own * sizeof(IndirectCommand)));
+            else
                 glDrawElementsInstancedBaseVertexBaseInstance(GL_TRIANGLES, GLsizei(mesh.indexCount), type, reinterpret_cast<const void*>(mesh.indexOffset),
                                                               GLsizei(range.count), mesh.baseVertex, range.first);
-                ++count.draws;
-                count.triangles += size_t(mesh.indexCount / 3) * range.count;
-            });
+            ++count.draws;
+            count.triangles += size_t(mesh.indexCount / 3) * range.count;
+        }
     }
     glDisable(GL_CULL_FACE);
     return count;

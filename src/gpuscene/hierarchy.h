@@ -45,6 +45,35 @@ public:
     /// items a leaf holds stays. `items` (each at most once) and `boxes` are parallel. Items that were left out are ignored.
     void refit(std::span<const uint32_t> items, std::span<const base::Box> boxes);
 
+    /// Appends, depth first, the nodes that `keep` accepts with all above them, and no farther down than to leaves or nodes of
+    /// at most `mostItems` items. `keep` gets a box, and must reject whatever lies within a box that it rejects.
+    template <class Keep>
+    void select(const Keep& keep, uint32_t mostItems, std::vector<uint32_t>& nodes) const {
+        std::vector<uint32_t> open;
+        if (!nodes_.empty()) open.push_back(0);
+        while (!open.empty()) {
+            const uint32_t n = open.back();
+            const Node& node = nodes_[n];
+            open.pop_back();
+            if (!keep(node.box)) continue;
+            if (node.leaf() || node.itemCount <= mostItems) {
+                nodes.push_back(n);
+                continue;
+            }
+            open.push_back(node.right);
+            open.push_back(n + 1);
+        }
+    }
+    /// Appends, in the order of the leaves, the items whose boxes `keep` accepts: as if it were asked of each.
+    template <class Keep>
+    void selectItems(const Keep& keep, std::vector<uint32_t>& items) const {
+        std::vector<uint32_t> nodes;
+        select(keep, 1, nodes);
+        for (const uint32_t n : nodes)
+            for (uint32_t i = nodes_[n].firstItem; i < nodes_[n].firstItem + nodes_[n].itemCount; ++i)
+                if (nodes_[n].itemCount == 1 || keep(boxes_[i])) items.push_back(items_[i]);
+    }
+
     /// Largest dot(direction, p) over the points p of all items' boxes, metres from Scene::origin times the length of
     /// `direction`; −infinity where there is no item. Visits few nodes.
     double support(const glm::dvec3& direction) const;

@@ -1,40 +1,32 @@
 #include "shadow/culling.h"
 
+#include "visibility/hiz_culling.h"
+#include "visibility/query_culling.h"
+
 namespace dapple::shadow {
 
-visibility::ViewCulling::Options cullOptions(const Settings& settings, const std::string& method, bool castersOnly) {
-    visibility::ViewCulling::Options options;
+const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings&) { return scene.items(); }
+
+std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun) {
+    const gpuscene::Items& items = cullItems(scene, settings);
+    if (method == "none" || method == "frustum") return std::make_unique<visibility::ListCulling>(items, sun);
+    if (method == "hiz") return std::make_unique<visibility::HizCulling>(items, sun, !sun);
+    visibility::QueryCulling::Options options;
     options.settings.algorithm = method == "chc" ? visibility::Algorithm::chc : visibility::Algorithm::chcpp;
     options.settings.batch = std::stoi(settings.at("batch"));
     options.settings.assumedVisible = std::stoi(settings.at("assumed-visible"));
     options.leafTriangles = std::stoull(settings.at("leaf"));
-    options.castersOnly = castersOnly;
-    return options;
-}
-
-CameraCulling::CameraCulling(const frame::Frame& frame, const Settings& settings)
-    : frame_(frame), everything_(settings.at("camera") == "none") {
-    const std::string& method = settings.at("camera");
-    if (method == "chc" || method == "chcpp") view_ = std::make_unique<visibility::ViewCulling>(frame.scene(), cullOptions(settings, method, false));
-    if (method == "hiz") hiz_ = std::make_unique<visibility::HizCulling>(frame.scene(), false, true);
+    options.castersOnly = sun;
+    return std::make_unique<visibility::QueryCulling>(items, options);
 }
 
 frame::Frame::Culling CameraCulling::culling() {
-    if (everything_)
-        return [this](const gpuscene::Submit& submit) {
-            frame_.scene().collect(frame_.camera().eye, [](uint32_t) { return true; }, list_);
-            submit(list_);
-        };
-    if (hiz_)
-        return [this](const gpuscene::Submit& submit) {
-            const frame::Camera& camera = frame_.camera();
-            // Up to twice the near plane's distance, so that no corner is close to where depths have no end.
-            hiz_->draw({camera.clipFromRelative, camera.eye, 2 * camera.near, frame_.depth()}, submit);
-        };
-    if (!view_) return {};
     return [this](const gpuscene::Submit& submit) {
         const frame::Camera& camera = frame_.camera();
-        view_->draw(visibility::CullView::camera(camera.eye, camera.clipFromRelative, camera.near), {.width = camera.width, .height = camera.height}, submit);
+        // Up to twice the near plane's distance, so that no corner is close to where depths have no end.
+        visibility::ViewFrame frame{.view = visibility::CullView::camera(camera.eye, camera.clipFromRelative, camera.near), .leastW = 2 * camera.near, .depth = &frame_.depth()};
+        if (everything_) frame.view.planes.clear();
+        culling_->draw(frame, submit);
     };
 }
 

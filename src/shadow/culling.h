@@ -2,31 +2,34 @@
 
 #include "frame/frame.h"
 #include "shadow/registry.h"
-#include "visibility/hiz_culling.h"
-#include "visibility/view_culling.h"
+#include "visibility/culling.h"
 
 #include <memory>
 
 /// Axes of visibility → what culls.
 namespace dapple::shadow {
 
-/// For an axis `camera` or `cull` with the value `method`: chc, chcpp or receivers.
-visibility::ViewCulling::Options cullOptions(const Settings& settings, const std::string& method, bool castersOnly);
+/// What may be drawn or left out as one, by axis `cluster`.
+const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings& settings);
+
+/// For an axis `camera` or `cull` with the value `method`; not pyramid. `sun`: casters alone, nearest with the least depth.
+std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun);
 
 /// Axis `camera`: what the G-buffer pass draws.
 class CameraCulling {
 public:
-    CameraCulling(const frame::Frame& frame, const Settings& settings);
-    /// For Frame::gbufferPass(); empty where the frame's own serves.
+    CameraCulling(const frame::Frame& frame, const Settings& settings)
+        : frame_(frame), everything_(settings.at("camera") == "none"), culling_(makeCulling(frame.scene(), settings, settings.at("camera"), false)) {}
+
+    /// For Frame::gbufferPass().
     frame::Frame::Culling culling();
-    bool asksOcclusion() const { return view_ != nullptr; }
+    bool asksOcclusion() const { return statistics().has_value(); }
+    std::optional<visibility::Statistics> statistics() const { return culling_->statistics(); }
 
 private:
     const frame::Frame& frame_;
     bool everything_;
-    std::unique_ptr<visibility::ViewCulling> view_;
-    std::unique_ptr<visibility::HizCulling> hiz_;
-    gpuscene::DrawList list_;
+    std::unique_ptr<visibility::Culling> culling_;
 };
 
 }  // namespace dapple::shadow

@@ -14,5 +14,8 @@ std::unique_ptr<Technique> makeVolume(frame::Frame& frame, const Settings& setti
 /// scene has no alpha-tested mesh, `opaque` where it has nothing else.
 void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const glm::dmat4& lightClip,
                  const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally);
+/// The same in two steps, for lists that come one after the other: the matrix is set once.
+void setCasterClip(const glm::dmat4& lightClip, const gl::Program& opaque, const gl::Program& alpha);
+void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally);
 
 }  // namespace dapple::shadow

@@ -109,6 +109,16 @@ std::optional<base::ImageF> Renderer::counted(bool (Technique::*count)()) {
     return sum;
 }
 
+std::vector<std::pair<std::string, visibility::Statistics>> Renderer::queryStatistics() const {
+    std::vector<std::pair<std::string, visibility::Statistics>> result;
+    for (size_t sun = 0; sun < techniques_.size(); ++sun) {
+        if (!techniques_[sun]) continue;
+        for (auto& [pass, statistics] : techniques_[sun]->queryStatistics()) result.emplace_back(frame::ofSun(pass, sun), statistics);
+    }
+    if (camera_ && camera_->statistics()) result.insert(result.begin(), {"gbuffer", *camera_->statistics()});
+    return result;
+}
+
 base::ImageF Renderer::overdraw() {
     frame::PassObserver silent;
     render(silent);  // the depth that the count is tested against

@@ -37,6 +37,8 @@ public:
     base::ImageF overdraw();
     /// Casters' volumes that hold each pixel's receiver; empty where the technique finds no candidate pixels.
     std::optional<base::ImageF> candidates();
+    /// As Technique::queryStatistics(), with the camera's.
+    std::vector<std::pair<std::string, visibility::Statistics>> queryStatistics() const;
     size_t mapBytes() const;
 
 private:

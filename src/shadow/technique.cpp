@@ -23,9 +23,18 @@ std::vector<std::string> samplingDefines(const Settings& settings) {
 
 void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const glm::dmat4& lightClip,
                  const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally) {
+    setCasterClip(lightClip, opaque, alpha);
+    drawCasters(scene, list, opaque, alpha, tally);
+}
+
+void setCasterClip(const glm::dmat4& lightClip, const gl::Program& opaque, const gl::Program& alpha) {
+    for (const gl::Program* program : {&opaque, &alpha})
+        if (program->name()) program->set("uLightClip", glm::mat4(lightClip));
+}
+
+void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally) {
     const auto draw = [&](const gl::Program& program, gpuscene::Bucket bucket, gpuscene::Attributes attributes) {
         if (!program.name()) return;
-        program.set("uLightClip", glm::mat4(lightClip));
         program.use();
         const gpuscene::DrawCount count = scene.draw(list, bucket, attributes, program.name());
         tally.drawCalls += count.draws;

@@ -2,6 +2,7 @@
 
 #include "frame/frame.h"
 #include "shadow/registry.h"
+#include "visibility/occlusion_culler.h"
 
 #include <algorithm>
 #include <memory>
@@ -48,6 +49,8 @@ public:
         size_t instances = 0, triangles = 0;
     };
     virtual std::optional<Casters> castersDrawn() const { return std::nullopt; }
+    /// Of the occlusion queries that the last frame asked, by pass; none where it asked none.
+    virtual std::vector<std::pair<std::string, visibility::Statistics>> queryStatistics() const { return {}; }
     /// Draws the additive fragment count of the technique's own screen-space work into frame.overdrawTarget().
     /// False: it has none, and the overdraw of the geometry is what there is to see.
     virtual bool countOverdraw() { return false; }

@@ -49,11 +49,14 @@ GlQueries::GlQueries(uint64_t threshold)
 
 GlQueries::~GlQueries() { glDeleteQueries(GLsizei(all_.size()), all_.data()); }
 
+void GlQueries::use(const QueryState& state) {
+    assert(state.width > 0 && state.height > 0);
+    state_ = state;
+    viewSet_ = false;
+}
+
 void GlQueries::begin() {
-    assert(state_.width > 0 && state_.height > 0);
-    const gl::Program& program = state_.mask ? masked_ : plain_;
-    program.use();
-    program.set("uPixel", glm::vec2(1.0 / state_.width, 1.0 / state_.height));
+    program().use();
     if (state_.mask) {
         glBindTextureUnit(0, state_.mask->name());
         glBindSampler(0, nearest_.name());
@@ -92,7 +95,11 @@ Query GlQueries::issue(const gpuscene::Hierarchy& hierarchy, const CullView& vie
     glNamedBufferSubData(boxes_.name(), GLintptr(used_ * sizeof(QueryBox)), GLsizeiptr(boxes.size() * sizeof(QueryBox)), boxes.data());
     glVertexArrayVertexBuffer(vertexArray_.name(), 0, boxes_.name(), GLintptr(used_ * sizeof(QueryBox)), sizeof(QueryBox));
     used_ += boxes.size();
-    (state_.mask ? masked_ : plain_).set("uClipFromRelative", glm::mat4(view.clipFromRelative));
+    if (!viewSet_) {  // once a pass: a name is looked up slowly
+        program().set("uClipFromRelative", glm::mat4(view.clipFromRelative));
+        program().set("uPixel", glm::vec2(1.0 / state_.width, 1.0 / state_.height));
+        viewSet_ = true;
+    }
     glBeginQuery(target_, query);
     glDrawArraysInstanced(GL_TRIANGLES, 0, kBoxVertices, GLsizei(boxes.size()));
     glEndQuery(target_);

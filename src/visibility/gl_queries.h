@@ -31,7 +31,7 @@ public:
     GlQueries& operator=(const GlQueries&) = delete;
 
     /// For all queries from now on: the pass that is about to cull.
-    void use(const QueryState& state) { state_ = state; }
+    void use(const QueryState& state);
 
     void begin() override;
     void end() override;
@@ -40,8 +40,11 @@ public:
     uint64_t wait(Query query) override;
 
 private:
+    const gl::Program& program() const { return state_.mask ? masked_ : plain_; }
+
     GLenum target_;
     QueryState state_;
+    bool viewSet_ = false;  // of program(), since use()
     gl::Program plain_, masked_;
     gl::VertexArray vertexArray_;
     gl::Buffer boxes_;  // a stream: written front to back, then begun anew

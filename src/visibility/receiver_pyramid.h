@@ -1,9 +1,9 @@
 #pragma once
 
-#include "gpuscene/instance_table.h"
+#include "gpuscene/item_table.h"
+#include "visibility/culling.h"
 #include "visibility/max_pyramid.h"
 
-/// What a view, the camera's or the sun's, need not draw.
 namespace dapple::visibility {
 
 /// Where the look-ups of the visible receivers fall in a shadow map, and how far from the sun the farthest of them lies: a
@@ -16,7 +16,7 @@ class ReceiverPyramid {
 public:
     /// `mapSize`: texels along a side; `layers`: maps that have a pyramid each; `warped`: their matrices are not affine. Throws
     /// base::Error(failed): no memory.
-    ReceiverPyramid(const gpuscene::GpuScene& scene, int mapSize, int layers, bool warped);
+    ReceiverPyramid(int mapSize, int layers, bool warped);
 
     void clear();
     /// R32UI array, keys of lib/receiver_key.glsl, to be filled with imageAtomicMax at level 0.
@@ -25,20 +25,30 @@ public:
     /// Makes the coarser levels.
     void reduce() const { pyramid_.reduce(); }
 
-    struct Map {
-        int layer = 0;
-        glm::dmat4 clipFromRelative{1};
-        glm::dvec3 eye{0};    ///< metres from Scene::origin
-        double leastW = 0.5;  ///< clip w up to which nothing is known of a box; 1/2 where there is no warp
-    };
-    /// Makes `list` the casters that the map needs, chosen on the GPU; nothing is read back.
-    void choose(const Map& map, gpuscene::DrawList& list) const;
+    /// Looks at what receivers `layer` has, on the GPU; nothing is read back.
+    void choose(const gpuscene::ItemTable& table, const gpuscene::ItemTable::Groups& groups, int layer, const ViewFrame& frame, gpuscene::DrawList& list) const;
 
 private:
-    const gpuscene::InstanceTable& table_;
     int mapSize_;
     MaxPyramid pyramid_;
     gl::Program cull_;
+};
+
+/// The casters that one map needs of those that are not outside a plane of the view.
+class PyramidCulling final : public Culling {
+public:
+    /// The pyramid must outlive it, and be filled before each draw().
+    PyramidCulling(const gpuscene::Items& items, const ReceiverPyramid& pyramid, int layer) : table_(items.table(true)), pyramid_(pyramid), layer_(layer) {}
+
+    void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
+    gpuscene::ItemCount drawn() const override { return table_.read(list_); }
+
+private:
+    const gpuscene::ItemTable& table_;
+    const ReceiverPyramid& pyramid_;
+    int layer_;
+    gpuscene::ItemTable::Groups groups_;
+    gpuscene::DrawList list_;
 };
 
 }  // namespace dapple::visibility

@@ -2,10 +2,12 @@
 #include "bench/gl_workbench.h"
 #include "scenegen/library.h"
 #include "scenegen/primitives.h"
+#include "shadow/map/caster_cull.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 
 namespace dapple::bench {
 namespace {
@@ -130,6 +132,53 @@ TEST(Camera, NoMethodChangesTheDepthImage) {
             for (size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(images[i].depth, truth[i].depth) << scene.name << " " << method << " view " << i;
         }
     }
+}
+
+// Against a loop over all instances: the same list, in the same order, to the bit.
+TEST(Lists, AreThoseOfALinearLoop) {
+    for (const TestScene& scene : kThree) {
+        Walk walk(scene.name, scene.settings);
+        for (const bool castersOnly : {false, true})
+            for (const scenegen::View& at : walk.views) {
+                walk.frame.look(at);
+                const frame::Camera& camera = walk.frame.camera();
+                visibility::ViewFrame view{.view = visibility::CullView::camera(camera.eye, camera.clipFromRelative, camera.near), .depth = &walk.frame.depth()};
+                if (castersOnly) {
+                    const shadow::LightBasis basis = shadow::lightBasis(walk.frame.light(), camera.forward);
+                    view.view.planes.clear();
+                    shadow::CasterCull(basis, camera, shadow::viewBody(camera, camera.near, camera.far, walk.frame.relativeSceneBox()), 0.5).appendPlanes(view.view.planes);
+                }
+                gpuscene::DrawList expected;
+                walk.gpu.collect(camera.eye, [&](uint32_t i) {
+                    return (!castersOnly || walk.gpu.items().part(i).castsShadow) && view.view.mayContain(walk.frame.relativeBox(i));
+                }, expected);
+                EXPECT_GT(expected.items.size(), 0u);
+                visibility::ListCulling culling(walk.gpu.items(), castersOnly);
+                culling.draw(view, [&](const gpuscene::DrawList& list) {
+                    EXPECT_EQ(list.items, expected.items);
+                    ASSERT_EQ(list.data.size(), expected.data.size());
+                    EXPECT_EQ(std::memcmp(list.data.data(), expected.data.data(), list.data.size() * sizeof(gpuscene::InstanceData)), 0);
+                });
+                EXPECT_EQ(culling.drawn().items, expected.items.size());
+            }
+    }
+}
+
+TEST(Queries, AreCountedByPass) {
+    Walk walk("city-vienna", {"scale=0.03"});
+    const shadow::TechniqueInfo& info = shadow::technique("cascaded");
+    shadow::Renderer renderer(walk.frame, info, shadow::resolve(info, {{"camera", "chcpp"}, {"cull", "receivers"}, {"cascades", "2"}, {"size", "256"}}));
+    frame::PassObserver silent;
+    renderer.render(silent);
+    std::vector<std::string> passes;
+    for (const auto& [pass, statistics] : renderer.queryStatistics()) {
+        passes.push_back(pass);
+        EXPECT_GT(statistics.queries, 0u) << pass;
+        EXPECT_GE(statistics.boxes, statistics.queries) << pass;
+        EXPECT_GE(statistics.nodesVisited, statistics.nodesVisible) << pass;
+    }
+    EXPECT_EQ(passes, (std::vector<std::string>{"gbuffer", "map0", "map1"}));
+    EXPECT_TRUE(shadow::Renderer(walk.frame, info, shadow::resolve(info, {{"camera", "hiz"}, {"cull", "pyramid"}})).queryStatistics().empty());
 }
 
 // A wire between the texel centres of a coarse map, in the shadow of a plate out of sight: what rasterises the receivers loses

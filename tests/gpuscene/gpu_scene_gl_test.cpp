@@ -169,8 +169,8 @@ TEST_F(GpuSceneTest, CollectFiltersGroupsAndOrdersNearestFirst) {
     std::set<uint32_t> expected;
     for (uint32_t i = 0; i < 300; ++i)
         if (i % 3 != 0 && i % 4 != 2) expected.insert(i);  // prototype 2 has nothing to draw
-    EXPECT_EQ(std::set<uint32_t>(list.instances.begin(), list.instances.end()), expected);
-    ASSERT_EQ(list.instances.size(), expected.size());
+    EXPECT_EQ(std::set<uint32_t>(list.items.begin(), list.items.end()), expected);
+    ASSERT_EQ(list.items.size(), expected.size());
     ASSERT_EQ(list.data.size(), expected.size());
 
     ASSERT_EQ(list.ranges.size(), 3u);  // one per prototype
@@ -180,8 +180,8 @@ TEST_F(GpuSceneTest, CollectFiltersGroupsAndOrdersNearestFirst) {
         EXPECT_EQ(range.first, next);
         double last = 0;
         for (uint32_t k = range.first; k < range.first + range.count; ++k) {
-            const uint32_t i = list.instances[k];
-            EXPECT_EQ(scene.instances[i].prototype, range.prototype);
+            const uint32_t i = list.items[k];
+            EXPECT_EQ(scene.instances[i].prototype, range.part);
             const double distance = distanceTo(gpu.instanceBoxes()[i], eye);
             EXPECT_GE(distance, last - 1e-9);
             if (k == range.first) {
@@ -195,7 +195,7 @@ TEST_F(GpuSceneTest, CollectFiltersGroupsAndOrdersNearestFirst) {
     EXPECT_EQ(next, list.data.size());
 
     for (size_t k = 0; k < list.data.size(); ++k) {
-        const scenegen::Instance& instance = scene.instances[list.instances[k]];
+        const scenegen::Instance& instance = scene.instances[list.items[k]];
         for (int axis = 0; axis < 3; ++axis)
             EXPECT_EQ(list.data[k].position[axis], float(double(instance.translation[axis]) - eye[axis]));
         EXPECT_EQ(list.data[k].scale, instance.scale);
@@ -208,7 +208,7 @@ TEST_F(GpuSceneTest, CollectFiltersGroupsAndOrdersNearestFirst) {
 
     gpu.collect(eye, [](uint32_t) { return false; }, list);
     EXPECT_TRUE(list.data.empty());
-    EXPECT_TRUE(list.instances.empty());
+    EXPECT_TRUE(list.items.empty());
     EXPECT_TRUE(list.ranges.empty());
 }
 

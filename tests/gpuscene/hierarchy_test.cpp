@@ -3,6 +3,8 @@
 #include "base/random.h"
 
 #include <gtest/gtest.h>
+
+#include <set>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -218,6 +220,42 @@ TEST(Hierarchy, TightBoundsEncloseEverythingWithinTheirArea) {
             opened += bounds.size() > 1;
         }
     EXPECT_GT(opened, 500u);
+}
+
+TEST(Hierarchy, SelectsWhatALinearLoopKeeps) {
+    const Items items = strewn(5000, 13);
+    base::Random random(14, 0, 0);
+    for (const uint64_t leaf : {1, 10'000}) {
+        const Hierarchy hierarchy = items.build({leaf, 24});
+        for (int k = 0; k < 50; ++k) {
+            const glm::vec3 normal(random.next(-1, 1), random.next(-1, 1), random.next(-1, 1));
+            const float limit = random.next(-1500, 1500);
+            size_t asked = 0;
+            const auto keep = [&](const base::Box& box) {
+                ++asked;
+                return glm::dot(normal, glm::mix(box.lo, box.hi, glm::greaterThan(normal, glm::vec3(0)))) >= limit;
+            };
+            std::vector<uint32_t> selected, expected, nodes;
+            hierarchy.selectItems(keep, selected);
+            EXPECT_LE(asked, 3 * selected.size() + 2000);
+            for (const uint32_t item : hierarchy.items())
+                if (keep(items.boxes[item])) expected.push_back(item);
+            ASSERT_EQ(selected, expected);
+            // Groups hold all of them, each once, and are as small as asked for unless they are leaves.
+            hierarchy.select(keep, 20, nodes);
+            std::vector<uint32_t> grouped;
+            for (const uint32_t n : nodes) {
+                EXPECT_TRUE(hierarchy.nodes()[n].itemCount <= 20 || hierarchy.nodes()[n].leaf());
+                for (const uint32_t item : hierarchy.items(n)) grouped.push_back(item);
+            }
+            EXPECT_EQ(std::set<uint32_t>(grouped.begin(), grouped.end()).size(), grouped.size());
+            std::erase_if(grouped, [&](uint32_t item) { return !keep(items.boxes[item]); });
+            EXPECT_EQ(grouped, expected);
+        }
+    }
+    std::vector<uint32_t> none;
+    Hierarchy().selectItems([](const base::Box&) { return true; }, none);
+    EXPECT_TRUE(none.empty());
 }
 
 TEST(Hierarchy, SupportIsThatOfAllBoxes) {

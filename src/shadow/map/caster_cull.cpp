@@ -65,4 +65,8 @@ bool CasterCull::keep(const base::DBox& box) const {
     });
 }
 
+void CasterCull::appendPlanes(std::vector<glm::dvec4>& planes) const {
+    for (const Side& side : sides_) planes.emplace_back(-side.outward, side.limit);
+}
+
 }  // namespace dapple::shadow

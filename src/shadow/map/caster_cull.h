@@ -12,6 +12,8 @@ public:
     /// `body`: vertices of receivers' convex hull, relative to the eye. `margin`: metres that a kernel and a bias reach.
     CasterCull(const LightBasis& basis, const frame::Camera& camera, const std::vector<glm::dvec3>& body, double margin);
     bool keep(const base::DBox& relativeBox) const;
+    /// Appends planes as visibility::CullView has them: what they leave out cannot reach the body.
+    void appendPlanes(std::vector<glm::dvec4>& planes) const;
 
 private:
     /// A box whose every point has dot(outward, p) > limit cannot reach the body.

@@ -26,7 +26,7 @@ constexpr uint64_t kBoundsLeaf = 10'000;
 class MapTechnique final : public Technique {
 public:
     MapTechnique(frame::Frame& frame, const Settings& settings)
-        : frame_(frame), settings_(settings), size_(std::stoi(settings.at("size"))), layers_(std::stoi(settings.at("cascades"))),
+        : frame_(frame), settings_(settings), items_(cullItems(frame.scene(), settings)), size_(std::stoi(settings.at("size"))), layers_(std::stoi(settings.at("cascades"))),
           kind_(settings.at("fit") == "scene" ? FitKind::scene : settings.at("fit") == "lispsm" ? FitKind::lispsm : FitKind::frustum),
           cascades_(size_t(layers_)) {
         if (frame.scene().facts().casters) {
@@ -43,17 +43,16 @@ public:
         resolve_ = gl::Program("passes/fullscreen.vert", "shadow/map_resolve.frag", defines);
         if (!map_.name()) return;
         if (is("cull", "pyramid")) {
-            pyramid_.emplace(frame.scene(), size_, layers_, kind_ == FitKind::lispsm);
+            pyramid_.emplace(size_, layers_, kind_ == FitKind::lispsm);
             scatter_ = gl::Program::compute("shadow/map_receivers.comp", defines);
         }
-        if (is("cull", "chc") || is("cull", "chcpp") || is("cull", "receivers"))
-            for (Cascade& c : cascades_) c.culling = std::make_unique<visibility::ViewCulling>(frame.scene(), cullOptions(settings, settings.at("cull"), true));
-        if (is("cull", "hiz"))
-            for (int i = 0; i < layers_; ++i) {
-                cascades_[size_t(i)].layer = map_.view(i);
-                cascades_[size_t(i)].hiz = std::make_unique<visibility::HizCulling>(frame.scene(), true, false);
-            }
-        if (is("cull", "receivers")) mask_.emplace(frame, settings, map_, defines);
+        for (int i = 0; i < layers_; ++i) {
+            Cascade& c = cascades_[size_t(i)];
+            c.layer = map_.view(i);
+            if (pyramid_) c.culling = std::make_unique<visibility::PyramidCulling>(items_, *pyramid_, i);
+            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true);
+        }
+        if (is("cull", "receivers")) mask_.emplace(frame, items_, settings, map_, defines);
     }
 
     std::vector<frame::Pass> passes() override {
@@ -67,11 +66,12 @@ public:
                               some ? "" : needed(cascades_[0]), [this](measure::Ledger& tally) { markReceivers(tally); }});
             mapReads.push_back("receivers");
         }
+        const bool asksOcclusion = cascades_[0].culling && cascades_[0].culling->statistics();
         for (int i = 0; i < layers_; ++i) {
-            const std::string name = layers_ == 1 ? "map" : fmt::format("map{}", i);
+            const std::string name = mapName(i);
             const std::string leftOut = needed(cascades_[size_t(i)]);
             passes.push_back({name, mapReads, {name}, "depth of the casters seen from the sun", leftOut,
-                              [this, i](measure::Ledger& tally) { renderMap(i, tally); }, cascades_[size_t(i)].culling != nullptr});
+                              [this, i](measure::Ledger& tally) { renderMap(i, tally); }, asksOcclusion});
             if (leftOut.empty()) reads.push_back(name);
         }
         passes.push_back({"resolve", reads, {"visibility"}, "one comparison per pixel", "",
@@ -93,23 +93,23 @@ public:
     }
 
     std::optional<Casters> castersDrawn() const override {
-        Casters sum;
-        const auto add = [&](std::span<const uint32_t> instances) {
-            sum.instances += instances.size();
-            for (const uint32_t i : instances) sum.triangles += frame_.scene().prototypes()[frame_.scene().scene().instances[i].prototype].triangles;
-        };
+        gpuscene::ItemCount sum;
         for (const Cascade& c : cascades_) {
             if (!needed(c).empty()) continue;
-            if (pyramid_ || c.hiz) {
-                const gpuscene::InstanceTable::Drawn drawn = c.hiz ? c.hiz->drawn() : frame_.scene().instanceTable().read(c.casters);
-                sum.instances += drawn.instances;
-                sum.triangles += drawn.triangles;
-                continue;
-            }
-            add(c.casters.instances);  // with a mask, the receivers in sight
-            if (c.culling) add(c.culling->instances());
+            sum += items_.count(c.receivers.items);  // with a mask: drawn before
+            sum += c.culling->drawn();
         }
-        return sum;
+        return Casters{sum.items, sum.triangles};
+    }
+
+    std::vector<std::pair<std::string, visibility::Statistics>> queryStatistics() const override {
+        std::vector<std::pair<std::string, visibility::Statistics>> result;
+        for (int i = 0; i < layers_; ++i) {
+            const Cascade& c = cascades_[size_t(i)];
+            const auto statistics = c.culling && needed(c).empty() ? c.culling->statistics() : std::nullopt;
+            if (statistics) result.emplace_back(mapName(i), *statistics);
+        }
+        return result;
     }
 
     const gl::Texture* map() const override { return map_.name() ? &map_ : nullptr; }
@@ -120,13 +120,13 @@ private:
         std::vector<glm::dvec3> body;
         double far = 0;  // metres of eye depth where the next cascade begins
         gl::Framebuffer target;
-        gpuscene::DrawList casters, receivers;
-        std::unique_ptr<visibility::HizCulling> hiz;
-        gl::Texture layer;  // of the map, for hiz
-        std::unique_ptr<visibility::ViewCulling> culling;  // where occlusion queries decide
+        gl::Texture layer;  // of the map
+        std::unique_ptr<visibility::Culling> culling;
+        gpuscene::DrawList receivers, others;  // with a mask: those in sight, that cast and that do not
     };
 
     bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
+    std::string mapName(int layer) const { return layers_ == 1 ? "map" : fmt::format("map{}", layer); }
     /// Whether a pass of its own finds where look-ups fall, before any map.
     bool marksReceivers() const { return pyramid_ || (mask_ && mask_->scatters()); }
 
@@ -155,7 +155,7 @@ private:
         std::vector<base::DBox> boxes;
         const bool visible = drawn && is("focus", "visible");
         if (visible)
-            for (const uint32_t i : frame_.drawnInstances()) boxes.push_back(frame_.relativeBox(i));
+            for (const uint32_t i : frame_.drawnItems()) boxes.push_back(frame_.relative(items_.boxes()[i]));
         const auto bodyOf = [&](double from, double to) { return visible ? visibleBody(camera, from, to, boxes) : viewBody(camera, from, to, sceneBox); };
         const std::vector<glm::dvec3> body = bodyOf(camera.near, camera.far);
         double near = camera.far, far = camera.near;
@@ -181,9 +181,7 @@ private:
         if (index == 0 && !marksReceivers()) fitCascades();
         Cascade& c = cascades_[size_t(index)];
         if (c.fit.empty) return;  // nothing is in sight in its slice
-        const gpuscene::GpuScene& scene = frame_.scene();
-        if (pyramid_) pyramid_->choose({index, c.fit.clipFromRelative, frame_.camera().eye, 1e-3 * c.fit.leastW}, c.casters);
-        else if (!c.culling && !c.hiz) scene.collect(frame_.camera().eye, casterTest(c), c.casters);
+        const frame::Camera& camera = frame_.camera();
         glBindFramebuffer(GL_FRAMEBUFFER, c.target.name());
         glViewport(0, 0, size_, size_);
         const float one = 1;
@@ -191,54 +189,42 @@ private:
         tally.texelsWritten += size_t(size_) * size_t(size_);
         glEnable(GL_DEPTH_TEST);
         glEnable(GL_DEPTH_CLAMP);  // casters in front of the receivers' range still cast
-        const auto draw = [&](const gpuscene::DrawList& list) { drawCasters(scene, list, c.fit.clipFromRelative, depth_, depthAlpha_, tally); };
-        if (c.culling) drawUnoccluded(index, tally);
-        else if (c.hiz) c.hiz->draw({c.fit.clipFromRelative, frame_.camera().eye, 1e-3 * c.fit.leastW, c.layer}, draw);
-        else draw(c.casters);
-    }
-
-    /// Casters that the sun sees before others; with a mask, before others where it is set. The receivers in sight are drawn first then.
-    void drawUnoccluded(int index, measure::Ledger& tally) {
-        Cascade& c = cascades_[size_t(index)];
-        const glm::dvec3& eye = frame_.camera().eye;
-        visibility::CullView view = visibility::CullView::sun(eye, c.fit.clipFromRelative, frame_.light());
-        visibility::QueryState state{.width = size_, .height = size_, .depthClamp = true};
-        std::vector<bool> drawn;
-        const bool stencil = is("mask-test", "stencil");
-        if (mask_) {
-            const CasterTest reaches = casterTest(c);
-            drawn.resize(frame_.scene().scene().instances.size());
-            std::vector<uint32_t> casting, others;
-            for (const uint32_t i : frame_.drawnInstances()) {
-                drawn[i] = true;
-                if (!castsShadow(i)) others.push_back(i);
-                else if (reaches(i)) casting.push_back(i);
-            }
-            frame_.scene().collect(eye, casting, c.casters);
-            frame_.scene().collect(eye, others, c.receivers);
-            mask_->build(index, c.target, view, {c.casters, c.receivers, frame_.drawnInstances()}, depth_, depthAlpha_, tally);
-            if (stencil) mask_->markStencil(index);
-            else state.mask = &mask_->mask(index);
-        }
-        c.culling->draw(view, state, [&](const gpuscene::DrawList& list) {
+        visibility::ViewFrame frame{.view = visibility::CullView::sun(camera.eye, c.fit.clipFromRelative, frame_.light()),
+                                    .leastW = 1e-3 * c.fit.leastW, .depth = &c.layer, .depthClamp = true};
+        const CasterCull reaches = casterCull(c);
+        if (is("cull", "none") || is("cull", "frustum")) frame.view.planes.clear();  // the receivers' alone
+        if (is("cull", "frustum") || pyramid_ || mask_) reaches.appendPlanes(frame.view.planes);
+        if (mask_) drawReceivers(index, reaches, frame, tally);
+        setCasterClip(c.fit.clipFromRelative, depth_, depthAlpha_);
+        const bool stencil = mask_ && is("mask-test", "stencil");
+        c.culling->draw(frame, [&](const gpuscene::DrawList& list) {
             if (stencil) glDisable(GL_STENCIL_TEST);  // it is for the queries
-            drawCasters(frame_.scene(), list, c.fit.clipFromRelative, depth_, depthAlpha_, tally);
+            drawCasters(frame_.scene(), list, depth_, depthAlpha_, tally);
             if (stencil) glEnable(GL_STENCIL_TEST);
-        }, mask_ ? &drawn : nullptr);
+        });
     }
 
-    bool castsShadow(uint32_t i) const { return frame_.scene().prototypes()[frame_.scene().scene().instances[i].prototype].castsShadow; }
+    /// Of those in sight. The queries for all other casters then count only where the mask that they make is set.
+    void drawReceivers(int index, const CasterCull& reaches, visibility::ViewFrame& frame, measure::Ledger& tally) {
+        Cascade& c = cascades_[size_t(index)];
+        std::vector<uint32_t> casting, others;
+        frame.drawn = frame_.drawnItems();
+        for (const uint32_t i : frame.drawn)
+            if (!items_.part(i).castsShadow) others.push_back(i);
+            else if (reaches.keep(frame.view.relative(items_.boxes()[i]))) casting.push_back(i);
+        items_.collect(frame.view.eye, casting, c.receivers);
+        items_.collect(frame.view.eye, others, c.others);
+        mask_->build(index, c.target, frame.view, {c.receivers, c.others, frame.drawn}, depth_, depthAlpha_, tally);
+        if (is("mask-test", "stencil")) mask_->markStencil(index);
+        else frame.mask = &mask_->mask(index);
+    }
 
-    using CasterTest = std::function<bool(uint32_t)>;
-    /// Which casters can darken the part of the view that a map serves.
-    CasterTest casterTest(const Cascade& c) const {
+    /// What can darken the part of the view that a map serves.
+    CasterCull casterCull(const Cascade& c) const {
         // The kernel reaches r + ½ texels; a normal offset moves the receiver by up to (2r + 1) times its scale.
         const double r = kernelRadius(settings_);
         const double reach = r + 1.5 + (is("bias", "normal-offset") ? (2 * r + 1) * std::stod(settings_.at("bias-scale")) : 0);
-        if (is("cull", "none")) return [this](uint32_t i) { return castsShadow(i); };
-        return [this, cull = CasterCull(basis_, frame_.camera(), c.body, reach * std::numbers::sqrt2 * c.fit.maxTexel)](uint32_t i) {
-            return castsShadow(i) && cull.keep(frame_.relativeBox(i));
-        };
+        return CasterCull(basis_, frame_.camera(), c.body, reach * std::numbers::sqrt2 * c.fit.maxTexel);
     }
 
     /// By the resolve's own look-ups, into the finest level of the pyramid or the masks.
@@ -298,6 +284,7 @@ private:
 
     frame::Frame& frame_;
     Settings settings_;
+    const gpuscene::Items& items_;
     int size_, layers_;
     FitKind kind_;
     LightBasis basis_;

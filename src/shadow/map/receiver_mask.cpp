@@ -17,8 +17,8 @@ constexpr int kMostCells = 512;
 
 }  // namespace
 
-ReceiverMask::ReceiverMask(const frame::Frame& frame, const Settings& settings, const gl::Texture& map, const std::vector<std::string>& lookupDefines)
-    : frame_(frame),
+ReceiverMask::ReceiverMask(const frame::Frame& frame, const gpuscene::Items& items, const Settings& settings, const gl::Texture& map, const std::vector<std::string>& lookupDefines)
+    : frame_(frame), items_(items),
       kind_(settings.at("mask") == "scatter"    ? Kind::scatter
             : settings.at("mask") == "box"      ? Kind::box
             : settings.at("mask") == "geometry" ? Kind::geometry
@@ -80,11 +80,11 @@ void ReceiverMask::drawMasked(const gpuscene::DrawList& list, const glm::dmat4& 
     drawCasters(frame_.scene(), list, clip, opaque_, alpha_, tally);
 }
 
-void ReceiverMask::drawBoxes(const visibility::CullView& view, std::span<const uint32_t> instances, measure::Ledger& tally) {
+void ReceiverMask::drawBoxes(const visibility::CullView& view, std::span<const uint32_t> items, measure::Ledger& tally) {
     std::vector<visibility::QueryBox> boxes;
     bool everywhere = false;
-    for (const uint32_t i : instances) {
-        const base::DBox box = frame_.relativeBox(i);
+    for (const uint32_t i : items) {
+        const base::DBox box = view.relative(items_.boxes()[i]);
         if (box.empty()) continue;
         if (view.certainlyVisible(box)) everywhere = true;
         else boxes.push_back(visibility::queryBox(view, box, size_, size_, reach_ + double(size_) / cells_.width()));
@@ -105,7 +105,6 @@ void ReceiverMask::drawBoxes(const visibility::CullView& view, std::span<const u
 
 void ReceiverMask::build(int layer, const gl::Framebuffer& mapTarget, const visibility::CullView& view, const Receivers& receivers, const gl::Program& depth,
                          const gl::Program& depthAlpha, measure::Ledger& tally) {
-    const gpuscene::GpuScene& scene = frame_.scene();
     const float zero[4] = {0, 0, 0, 0};
     if (kind_ == Kind::box) {
         glBindFramebuffer(GL_FRAMEBUFFER, targets_[size_t(layer)].name());
@@ -146,7 +145,7 @@ void ReceiverMask::build(int layer, const gl::Framebuffer& mapTarget, const visi
     }
     glBindFramebuffer(GL_FRAMEBUFFER, mapTarget.name());
     glViewport(0, 0, size_, size_);
-    if (kind_ != Kind::fragment) drawCasters(scene, receivers.casters, view.clipFromRelative, depth, depthAlpha, tally);
+    if (kind_ != Kind::fragment) drawCasters(frame_.scene(), receivers.casters, view.clipFromRelative, depth, depthAlpha, tally);
 }
 
 void ReceiverMask::markStencil(int layer) {

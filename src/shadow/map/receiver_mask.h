@@ -14,7 +14,7 @@ namespace dapple::shadow {
 class ReceiverMask {
 public:
     /// `map`: the array of maps, whose layers the rasterised masks are drawn into as well. `lookupDefines`: of lib/map_lookup.glsl.
-    ReceiverMask(const frame::Frame& frame, const Settings& settings, const gl::Texture& map, const std::vector<std::string>& lookupDefines);
+    ReceiverMask(const frame::Frame& frame, const gpuscene::Items& items, const Settings& settings, const gl::Texture& map, const std::vector<std::string>& lookupDefines);
 
     /// Whether build() needs scatter() before.
     bool scatters() const { return kind_ == Kind::scatter; }
@@ -25,7 +25,7 @@ public:
     struct Receivers {
         const gpuscene::DrawList& casters;  ///< those in sight that cast
         const gpuscene::DrawList& others;   ///< those that only receive
-        std::span<const uint32_t> all;      ///< both
+        std::span<const uint32_t> all;      ///< items: both, and casters out of reach
     };
     /// Draws the casters in sight into a cleared map, and makes its mask unless scatter() has. The map's framebuffer is bound
     /// afterwards, with depth test and clamp on.
@@ -39,9 +39,10 @@ public:
 private:
     enum class Kind { scatter, box, geometry, fragment, fragmentOr };
     void drawMasked(const gpuscene::DrawList& list, const glm::dmat4& clip, measure::Ledger& tally);
-    void drawBoxes(const visibility::CullView& view, std::span<const uint32_t> instances, measure::Ledger& tally);
+    void drawBoxes(const visibility::CullView& view, std::span<const uint32_t> items, measure::Ledger& tally);
 
     const frame::Frame& frame_;
+    const gpuscene::Items& items_;
     Kind kind_;
     int size_, reach_;  ///< of the map; texels that a look-up may read about its own
     gl::Texture cells_, texels_;      // array of masks; a mask at the map's resolution

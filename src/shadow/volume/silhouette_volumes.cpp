@@ -98,11 +98,11 @@ void SilhouetteVolumes::submit(const gl::Program& program, measure::Ledger& tall
     glBindVertexArray(array_.name());
     glVertexArrayVertexBuffer(array_.name(), 0, casters_.buffer.name(), 0, sizeof(gpuscene::InstanceData));
     for (const gpuscene::DrawList::Range& drawn : casters_.ranges) {
-        const Silhouettes::Range& range = ranges_[drawn.prototype];
+        const Silhouettes::Range& range = ranges_[drawn.part];
         program.set("uFirstFace", int(range.firstFace));
         program.set("uFaces", int(range.faces));
         program.set("uFirstEdge", int(range.firstEdge()));
-        program.set("uTop", scene.prototypes()[drawn.prototype].box.hi.z);
+        program.set("uTop", scene.prototypes()[drawn.part].box.hi.z);
         const size_t triangles = range.faces + 2 * range.edges();
         glDrawArraysInstancedBaseInstance(GL_TRIANGLES, 0, GLsizei(3 * triangles), GLsizei(drawn.count), drawn.first);
         ++tally.drawCalls;

@@ -1,0 +1,65 @@
+// The scene's items for compute shaders that choose what is drawn, one work group to each group of neighbours, and the list
+// that they fill. Matches gpuscene/item_table.cpp.
+layout(local_size_x = 64) in;
+struct TableItem {
+    vec3 translation;  // metres from Scene::origin
+    float scale;
+    vec2 cosSinYaw;
+    uint part, padding;
+};
+struct TablePart {
+    vec3 lo;           // of its box, prototype space
+    uint firstCommand;
+    vec3 hi;
+    uint commands;
+    uint firstSlot, padding0, padding1, padding2;
+};
+struct TableGroup {
+    vec3 lo;           // of the box of all its items, metres from Scene::origin
+    uint first;
+    vec3 hi;
+    uint count;
+};
+struct InstanceData {  // six floats: std430 would round a vec3 up
+    float position[3], scale, cosSinYaw[2];
+};
+struct IndirectCommand {
+    uint indices, instances, firstIndex;
+    int baseVertex;
+    uint firstInstance;
+};
+layout(std430, binding = 0) restrict readonly buffer TableItems { TableItem tableItems[]; };
+layout(std430, binding = 1) restrict readonly buffer TableParts { TablePart tableParts[]; };
+layout(std430, binding = 2) restrict writeonly buffer ListData { InstanceData listData[]; };
+layout(std430, binding = 3) restrict buffer ListCommands { IndirectCommand listCommands[]; };
+layout(std430, binding = 4) restrict readonly buffer TableGroups { TableGroup tableGroups[]; };
+
+uniform dvec3 uEye;  // metres from Scene::origin; subtracted in double, as the CPU does
+uniform int uGroups;
+
+vec3 relative(vec3 position) { return vec3(dvec3(position) - uEye); }
+
+// A box that is scaled and turned about the vertical through `position`, metres relative to the eye.
+struct Box {
+    vec3 position, lo, hi;
+    float scale;
+    vec2 cosSinYaw;
+};
+Box boxOf(TableItem i, TablePart p) { return Box(relative(i.translation), p.lo, p.hi, i.scale, i.cosSinYaw); }
+Box boxOf(TableGroup g) { return Box(relative(g.lo), vec3(0.0), g.hi - g.lo, 1.0, vec2(1.0, 0.0)); }
+
+vec3 boxCorner(Box b, uint corner) {
+    vec3 at = mix(b.lo, b.hi, bvec3(corner & 1u, corner & 2u, corner & 4u));
+    vec3 turned = vec3(b.cosSinYaw.x * at.x - b.cosSinYaw.y * at.y, b.cosSinYaw.y * at.x + b.cosSinYaw.x * at.y, at.z);
+    return b.position + b.scale * turned;
+}
+
+void addToList(TablePart p, Box b) {
+    if (p.commands == 0u) return;
+    uint slot = atomicAdd(listCommands[p.firstCommand].instances, 1u);
+    for (uint m = 1u; m < p.commands; ++m) atomicAdd(listCommands[p.firstCommand + m].instances, 1u);
+    listData[p.firstSlot + slot] = InstanceData(float[3](b.position.x, b.position.y, b.position.z), b.scale, float[2](b.cosSinYaw.x, b.cosSinYaw.y));
+}
+
+// Of the work group; may be past the last one.
+uint groupIndex() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }

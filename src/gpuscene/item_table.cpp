@@ -1,0 +1,125 @@
+#include "gpuscene/item_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dapple::gpuscene {
+namespace {
+
+/// Triangles in a leaf of the hierarchy that the items are ordered by.
+constexpr uint64_t kTableLeaf = 10'000;
+/// What GL grants a dispatch along one axis.
+constexpr size_t kMostGroups = 65535;
+
+struct TableItem {
+    glm::vec3 translation;  ///< metres from Scene::origin
+    float scale;
+    glm::vec2 cosSinYaw;
+    uint32_t part, padding;
+};
+static_assert(sizeof(TableItem) == 32);
+
+struct TablePart {
+    glm::vec3 lo;
+    uint32_t firstCommand;
+    glm::vec3 hi;
+    uint32_t commands;
+    uint32_t firstSlot, padding[3];
+};
+static_assert(sizeof(TablePart) == 48);
+
+struct TableGroup {
+    glm::vec3 lo;  ///< metres from Scene::origin
+    uint32_t first;
+    glm::vec3 hi;
+    uint32_t count;
+};
+static_assert(sizeof(TableGroup) == 32);
+
+}  // namespace
+
+ItemTable::ItemTable(const Items& items, bool castersOnly)
+    : items_(items), hierarchy_(items.hierarchy(kTableLeaf, castersOnly)), order_(hierarchy_.items()), rangeOf_(items.parts().size(), Hierarchy::kNone) {
+    std::vector<uint32_t> uses(items.parts().size(), 0);
+    for (const uint32_t item : order_) ++uses[items[item].part];
+    std::vector<TablePart> parts;
+    std::vector<IndirectCommand> commands;
+    uint32_t slot = 0;
+    for (size_t p = 0; p < items.parts().size(); ++p) {
+        const Part& part = items.parts()[p];
+        firstCommand_.push_back(uint32_t(commands.size()));
+        for (const GpuMesh& mesh : part.meshes) commands.push_back({mesh.indexCount, 0, mesh.firstIndex(), mesh.baseVertex, slot});
+        parts.push_back({part.box.lo, firstCommand_.back(), part.box.hi, uint32_t(part.meshes.size()), slot, {}});
+        slot += uses[p];
+    }
+    commandCount_ = commands.size();
+    parts_ = gl::Buffer::of<TablePart>(parts);
+    commands_ = gl::Buffer::of<IndirectCommand>(commands);
+    upload();
+}
+
+void ItemTable::upload() {
+    std::vector<TableItem> table;
+    table.reserve(size());
+    for (const uint32_t item : order_) {
+        const scenegen::Instance& i = items_.instance(item);
+        table.push_back({i.translation, i.scale, {float(std::cos(double(i.yaw))), float(std::sin(double(i.yaw)))}, items_[item].part, 0});
+    }
+    table_.update(table.size() * sizeof(TableItem), table.data());
+}
+
+void ItemTable::pick(const std::function<bool(const base::Box&)>& keep, Groups& groups) const {
+    std::vector<TableGroup> picked;
+    std::vector<uint32_t> nodes;
+    hierarchy_.select(keep, kGroupItems, nodes);
+    groups.parts.clear();
+    for (const uint32_t n : nodes) {
+        const Hierarchy::Node& node = hierarchy_.nodes()[n];
+        for (uint32_t first = 0; first < node.itemCount; first += kGroupItems)  // leaves of many small items hold several
+            picked.push_back({node.box.lo, node.firstItem + first, node.box.hi, std::min(node.itemCount - first, kGroupItems)});
+        for (const uint32_t item : hierarchy_.items(n)) {
+            const uint32_t part = items_[item].part;
+            if (rangeOf_[part] == Hierarchy::kNone) {
+                rangeOf_[part] = uint32_t(groups.parts.size());
+                groups.parts.push_back({part, firstCommand_[part], 0});
+            }
+            ++groups.parts[rangeOf_[part]].count;
+        }
+    }
+    for (const DrawList::Range& range : groups.parts) rangeOf_[range.part] = Hierarchy::kNone;
+    groups.count = picked.size();
+    groups.buffer.update(picked.size() * sizeof(TableGroup), picked.data());
+}
+
+void ItemTable::choose(const gl::Program& program, const glm::dvec3& eye, const Groups& groups, DrawList& list) const {
+    list.parts = items_.parts();
+    list.items.clear();
+    list.data.clear();
+    list.ranges = groups.parts;
+    if (groups.count == 0) return;
+    list.buffer.update(size() * sizeof(InstanceData), nullptr);
+    list.commands.update(commandCount_ * sizeof(IndirectCommand), nullptr);
+    glCopyNamedBufferSubData(commands_.name(), list.commands.name(), 0, 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)));
+    const GLuint names[] = {table_.name(), parts_.name(), list.buffer.name(), list.commands.name(), groups.buffer.name()};
+    for (GLuint i = 0; i < std::size(names); ++i) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, names[i]);
+    program.set("uEye", eye);
+    program.set("uGroups", int(groups.count));
+    program.use();
+    glDispatchCompute(GLuint(std::min(groups.count, kMostGroups)), GLuint((groups.count + kMostGroups - 1) / kMostGroups), 1);
+    glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+ItemCount ItemTable::read(const DrawList& list) const {
+    std::vector<IndirectCommand> commands(commandCount_);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    if (commandCount_ > 0) glGetNamedBufferSubData(list.commands.name(), 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)), commands.data());
+    ItemCount drawn;
+    for (const DrawList::Range& range : list.ranges) {
+        const Part& part = items_.parts()[range.part];
+        const size_t count = part.meshes.empty() ? 0 : commands[range.first].instances;
+        drawn += {count, count * part.triangles};
+    }
+    return drawn;
+}
+
+}  // namespace dapple::gpuscene

@@ -1,0 +1,20 @@
+#include "visibility/culling.h"
+
+namespace dapple::visibility {
+namespace {
+
+/// Triangles in a leaf: as coherent culling's by default, so that the two share a hierarchy.
+constexpr uint64_t kLeaf = 10'000;
+
+}  // namespace
+
+ListCulling::ListCulling(const gpuscene::Items& items, bool castersOnly) : items_(items), hierarchy_(items.hierarchy(kLeaf, castersOnly)) {}
+
+void ListCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
+    std::vector<uint32_t> chosen;
+    hierarchy_.selectItems([&](const base::Box& box) { return frame.view.mayContain(frame.view.relative(box)); }, chosen);
+    items_.collect(frame.view.eye, chosen, list_);
+    submit(list_);
+}
+
+}  // namespace dapple::visibility

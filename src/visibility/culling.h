@@ -1,0 +1,46 @@
+#pragma once
+
+#include "gpuscene/items.h"
+#include "visibility/occlusion_culler.h"
+
+/// What a view, the camera's or the sun's, need not draw.
+namespace dapple::visibility {
+
+/// One frame of one view, as whoever renders it hands it to its culling.
+struct ViewFrame {
+    CullView view;
+    double leastW = 0.5;        ///< clip w up to which nothing is known of a box
+    const gl::Texture* depth = nullptr;  ///< 2D: what is drawn into; bound, with viewport and depth test
+    bool depthClamp = false;    ///< whether drawing needs it
+    /// Occlusion queries alone look at the rest. Mask: samples where it is < ½ do not count (R8 or R32F over the view's
+    /// window, at most as fine as `depth`). Drawn: items that the view has already; none is drawn again.
+    const gl::Texture* mask = nullptr;
+    std::span<const uint32_t> drawn = {};
+};
+
+/// What one view draws of a scene, frame after frame.
+class Culling {
+public:
+    virtual ~Culling() = default;
+    /// Calls `submit` once or several times, with what it is to draw into what is bound.
+    virtual void draw(const ViewFrame& frame, const gpuscene::Submit& submit) = 0;
+    /// By the last draw(). May wait for the GPU.
+    virtual gpuscene::ItemCount drawn() const = 0;
+    /// Of its occlusion queries in the last draw(); empty where it asks none.
+    virtual std::optional<Statistics> statistics() const { return std::nullopt; }
+};
+
+/// Lists on the CPU whatever is not outside a plane of the view: everything, where it has none.
+class ListCulling final : public Culling {
+public:
+    ListCulling(const gpuscene::Items& items, bool castersOnly);
+    void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
+    gpuscene::ItemCount drawn() const override { return items_.count(list_.items); }
+
+private:
+    const gpuscene::Items& items_;
+    const gpuscene::Hierarchy& hierarchy_;
+    gpuscene::DrawList list_;
+};
+
+}  // namespace dapple::visibility
