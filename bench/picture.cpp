@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "bench/light_picture.h"
 #include "frame/overlays.h"
 
 #include <fmt/format.h>
@@ -16,14 +17,16 @@ namespace {
 
 using nlohmann::json;
 
-const std::array<PictureKind, 8> kKinds{{{"shaded", "the lit picture"},
+const std::array<PictureKind, 10> kKinds{{{"shaded", "the lit picture"},
                                          {"visibility", "the technique's visibility image V"},
                                          {"reference", "ray-traced truth: lit, shadowed, ambiguous, excluded"},
                                          {"error", "V against the truth: false shadow red, false light blue"},
                                          {"overdraw", "fragments per pixel"},
                                          {"candidates", "pixels inside the casters' shadow volumes: lit green, in shadow red"},
                                          {"depth", "distance along the view"},
-                                         {"map", "the shadow map, or all maps side by side"}}};
+                                         {"map", "the shadow map, or all maps side by side"},
+                                         {"casters", "the sun's view of each map: casters left out grey, drawn orange, darkening what is in sight blue; receivers yellow"},
+                                         {"masks", "the maps, and in yellow the masks of receivers in sight (cull receivers, cull pyramid)"}}};
 
 json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
@@ -130,6 +133,9 @@ void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::str
         values = frame.readChannel(frame.depth());
         picture = frame::paintDepth(values, frame.camera());
         for (float& d : values.texels) d = d == 0 ? 0 : float(frame.camera().eyeDepth(double(d)));
+    } else if (what == "casters" || what == "masks") {
+        if (numbers) throw base::UsageError(fmt::format("{} is a picture in false colours: .png", what));
+        picture = what == "casters" ? paintCastersDrawn(*shared, renderer) : paintReceiverMasks(*shared, renderer);
     } else if (what == "map") {
         const std::vector<base::ImageF> layers = mapLayers(frame, *map);
         picture = frame::paintMap(layers);

@@ -94,19 +94,56 @@ base::Image8 paintDepth(const base::ImageF& depth, const Camera& camera) {
     });
 }
 
-base::Image8 paintMap(std::span<const base::ImageF> layers) {
-    const int columns = int(std::ceil(std::sqrt(double(layers.size()))));
-    const int rows = (int(layers.size()) + columns - 1) / columns;
-    const int step = std::max(1, layers[0].width * columns / 2048), cell = layers[0].width / step;
+namespace {
+
+/// Square images of `width` side by side in a grid, at most 2048 pixels across; `colourOf` gets the image, and a pixel's column and row in it.
+template <class F>
+base::Image8 paintSheet(size_t count, int width, const F& colourOf) {
+    const int columns = int(std::ceil(std::sqrt(double(count))));
+    const int rows = (int(count) + columns - 1) / columns;
+    const int step = std::max(1, width * columns / 2048), cell = width / step;
     base::Image8 sheet{cell * columns, cell * rows, 3, std::vector<uint8_t>(size_t(cell * columns) * size_t(cell * rows) * 3)};
-    for (size_t n = 0; n < layers.size(); ++n)
+    for (size_t n = 0; n < count; ++n)
         for (int y = 0; y < cell; ++y)
             for (int x = 0; x < cell; ++x) {
-                const float d = layers[n].texels[size_t(y * step) * size_t(layers[n].width) + size_t(x * step)];
-                const Colour c = d >= 1 ? Colour{16, 24, 48} : grey(1 - 0.8 * double(d));
+                const Colour c = colourOf(n, x * step, y * step);
                 std::copy(c.begin(), c.end(), sheet.at(int(n) % columns * cell + x, int(n) / columns * cell + y));
             }
     return sheet;
+}
+
+constexpr Colour kNothing{16, 24, 48};
+Colour mapColour(float depth) { return depth >= 1 ? kNothing : grey(1 - 0.8 * double(depth)); }
+Colour times(const Colour& c, double strength) { return {byte(c[0] / 255.0 * strength), byte(c[1] / 255.0 * strength), byte(c[2] / 255.0 * strength)}; }
+
+}  // namespace
+
+base::Image8 paintMap(std::span<const base::ImageF> layers) {
+    return paintSheet(layers.size(), layers[0].width, [&](size_t n, int x, int y) { return mapColour(layers[n].texels[size_t(y) * size_t(layers[n].width) + size_t(x)]); });
+}
+
+base::Image8 paintMasks(std::span<const base::ImageF> maps, std::span<const base::ImageF> masks) {
+    return paintSheet(maps.size(), maps[0].width, [&](size_t n, int x, int y) -> Colour {
+        const base::ImageF &map = maps[n], &mask = masks[n];
+        const Colour c = mapColour(map.texels[size_t(y) * size_t(map.width) + size_t(x)]);
+        const bool set = mask.texels[size_t(y * mask.height / map.height) * size_t(mask.width) + size_t(x * mask.width / map.width)] > 0.5f;
+        if (!set) return times(c, 0.8);
+        return {uint8_t(128 + c[0] / 2), uint8_t(110 + c[1] / 2), uint8_t(c[2] / 3)};
+    });
+}
+
+base::Image8 paintLightViews(std::span<const LightView> views) {
+    return paintSheet(views.size(), views[0].depth.width, [&](size_t n, int x, int y) -> Colour {
+        const size_t i = size_t(y) * size_t(views[n].depth.width) + size_t(x);
+        const double light = 1 - 0.65 * double(views[n].depth.texels[i]);
+        switch (views[n].classes[i]) {
+            case LightViewClass::receiver: return {250, 236, 150};
+            case LightViewClass::leftOut: return grey(0.55 * light);
+            case LightViewClass::drawn: return times({255, 140, 30}, light);
+            case LightViewClass::contributing: return times({60, 150, 255}, light);
+            default: return kNothing;
+        }
+    });
 }
 
 }  // namespace dapple::frame

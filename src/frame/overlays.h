@@ -22,6 +22,17 @@ base::Image8 paintOverdraw(const base::ImageF& counts);
 base::Image8 paintCandidates(const base::Image8& shaded, const base::ImageF& volumes, std::span<const float> visibility);
 /// Distance along the view, near light, far dark, logarithmic; sky black.
 base::Image8 paintDepth(const base::ImageF& depth, const Camera& camera);
+/// What a light's view shows: nothing, …
+enum class LightViewClass { nothing, receiver, leftOut, drawn, contributing };
+struct LightView {
+    base::ImageF depth;                   ///< of the nearest caster; 1: none
+    std::vector<LightViewClass> classes;  ///< by pixel
+};
+/// Side by side in a grid: casters left out grey, drawn ones orange, those of them that darken a pixel in sight blue, receivers in
+/// sight (that no caster covers) pale yellow.
+base::Image8 paintLightViews(std::span<const LightView> views);
+/// Maps side by side in a grid, faded; where a mask is set, yellow.
+base::Image8 paintMasks(std::span<const base::ImageF> maps, std::span<const base::ImageF> masks);
 /// Layers of a light map side by side in a grid, near the sun light, empty dark blue; at most 2048 pixels across.
 base::Image8 paintMap(std::span<const base::ImageF> layers);
 

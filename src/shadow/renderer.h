@@ -33,6 +33,8 @@ public:
     /// Of a sun, each of which has maps of its own; nullptr where none is needed (baselines of it, sun below the horizon).
     const Technique* technique(size_t sun = 0) const { return techniques_[sun].get(); }
     size_t suns() const { return techniques_.size(); }
+    /// Technique::redrawCasters() of the first sun's.
+    bool redrawCasters(size_t matrix, const gpuscene::Submit& submit) { return techniques_[0] && techniques_[0]->redrawCasters(matrix, submit); }
     /// Fragments per pixel of the technique's own screen-space work, or of the geometry where it has none.
     base::ImageF overdraw();
     /// Casters' volumes that hold each pixel's receiver; empty where the technique finds no candidate pixels.

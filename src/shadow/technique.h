@@ -51,6 +51,10 @@ public:
     virtual std::optional<Casters> castersDrawn() const { return std::nullopt; }
     /// Of the occlusion queries that the last frame asked, by pass; none where it asked none.
     virtual std::vector<std::pair<std::string, visibility::Statistics>> queryStatistics() const { return {}; }
+    /// Submits once more the casters that the last frame drew into the map of matrices()[matrix], for pictures. False: see castersDrawn().
+    virtual bool redrawCasters(size_t, const gpuscene::Submit&) { return false; }
+    /// Where that map's window holds receivers in sight, 1 or 0, rows from the top; empty where nothing asks.
+    virtual std::optional<base::ImageF> receiverMask(size_t) const { return std::nullopt; }
     /// Draws the additive fragment count of the technique's own screen-space work into frame.overdrawTarget().
     /// False: it has none, and the overdraw of the geometry is what there is to see.
     virtual bool countOverdraw() { return false; }

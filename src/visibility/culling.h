@@ -26,6 +26,8 @@ public:
     virtual void draw(const ViewFrame& frame, const gpuscene::Submit& submit) = 0;
     /// By the last draw(). May wait for the GPU.
     virtual gpuscene::ItemCount drawn() const = 0;
+    /// Submits once more all that the last draw() did, for pictures. `eye`: as then.
+    virtual void redraw(const glm::dvec3& eye, const gpuscene::Submit& submit) = 0;
     /// Of its occlusion queries in the last draw(); empty where it asks none.
     virtual std::optional<Statistics> statistics() const { return std::nullopt; }
 };
@@ -36,6 +38,7 @@ public:
     ListCulling(const gpuscene::Items& items, bool castersOnly);
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
     gpuscene::ItemCount drawn() const override { return items_.count(list_.items); }
+    void redraw(const glm::dvec3&, const gpuscene::Submit& submit) override { submit(list_); }
 
 private:
     const gpuscene::Items& items_;

@@ -17,6 +17,9 @@ public:
 
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
     gpuscene::ItemCount drawn() const override;
+    void redraw(const glm::dvec3&, const gpuscene::Submit& submit) override {
+        for (const gpuscene::DrawList& list : lists_) submit(list);
+    }
 
 private:
     void choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list);

@@ -17,6 +17,10 @@ public:
 
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
     gpuscene::ItemCount drawn() const override { return items_.count(drawn_); }
+    void redraw(const glm::dvec3& eye, const gpuscene::Submit& submit) override {
+        items_.collect(eye, drawn_, list_);
+        submit(list_);
+    }
     std::optional<Statistics> statistics() const override { return culler_.statistics(); }
 
 private:

@@ -21,6 +21,16 @@ void ReceiverPyramid::clear() {
     glClearTexImage(texture().name(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
 }
 
+base::ImageF ReceiverPyramid::mask(int layer) const {
+    const auto n = size_t(cells());
+    std::vector<GLuint> keys(n * n);
+    glGetTextureSubImage(texture().name(), 0, 0, 0, layer, cells(), cells(), 1, GL_RED_INTEGER, GL_UNSIGNED_INT, GLsizei(keys.size() * sizeof(GLuint)), keys.data());
+    base::ImageF image{cells(), cells(), 1, std::vector<float>(keys.size())};
+    for (size_t y = 0; y < n; ++y)
+        for (size_t x = 0; x < n; ++x) image.texels[y * n + x] = keys[(n - 1 - y) * n + x] != 0;
+    return image;
+}
+
 void ReceiverPyramid::choose(const gpuscene::ItemTable& table, const gpuscene::ItemTable::Groups& groups, int layer, const ViewFrame& frame, gpuscene::DrawList& list) const {
     cull_.set("uLayer", layer);
     cull_.set("uLevels", pyramid_.levels());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gpuscene/item_table.h"
+#include "base/image.h"
 #include "visibility/culling.h"
 #include "visibility/max_pyramid.h"
 
@@ -22,6 +23,8 @@ public:
     /// R32UI array, keys of lib/receiver_key.glsl, to be filled with imageAtomicMax at level 0.
     const gl::Texture& texture() const { return pyramid_.texture(); }
     int cells() const { return pyramid_.cells(); }  ///< along a side of level 0, a power of two, no more than the map has texels
+    /// Which cells of `layer` hold receivers: 1 or 0, rows from the top. Waits for the GPU.
+    base::ImageF mask(int layer) const;
     /// Makes the coarser levels.
     void reduce() const { pyramid_.reduce(); }
 
@@ -42,6 +45,7 @@ public:
 
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
     gpuscene::ItemCount drawn() const override { return table_.read(list_); }
+    void redraw(const glm::dvec3&, const gpuscene::Submit& submit) override { submit(list_); }
 
 private:
     const gpuscene::ItemTable& table_;

@@ -92,6 +92,19 @@ public:
         return result;
     }
 
+    bool redrawCasters(size_t matrix, const gpuscene::Submit& submit) override {
+        Cascade& c = cascades_[mapOf(matrix)];
+        if (mask_) submit(c.receivers);
+        c.culling->redraw(frame_.camera().eye, submit);
+        return true;
+    }
+    std::optional<base::ImageF> receiverMask(size_t matrix) const override {
+        const int map = int(mapOf(matrix));
+        if (pyramid_) return pyramid_->mask(map);
+        if (mask_) return frame_.readChannel(mask_->mask(map));
+        return std::nullopt;
+    }
+
     std::optional<Casters> castersDrawn() const override {
         gpuscene::ItemCount sum;
         for (const Cascade& c : cascades_) {
@@ -124,6 +137,13 @@ private:
         std::unique_ptr<visibility::Culling> culling;
         gpuscene::DrawList receivers, others;  // with a mask: those in sight, that cast and that do not
     };
+
+    /// Of matrices()[matrix]: maps that nothing needs have none.
+    size_t mapOf(size_t matrix) const {
+        size_t map = 0;
+        while (cascades_[map].fit.empty || matrix-- > 0) ++map;
+        return map;
+    }
 
     bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
     std::string mapName(int layer) const { return layers_ == 1 ? "map" : fmt::format("map{}", layer); }
