@@ -1,5 +1,6 @@
 #include "scenegen/scene.h"
 
+#include "base/detmath.h"
 #include "base/error.h"
 #include "base/hash.h"
 
@@ -73,14 +74,53 @@ base::Box instanceBox(const base::Box& prototypeBox, const Instance& instance) {
     return box;
 }
 
-glm::vec3 Motion::at(double seconds) const {
-    const glm::dvec3 way = glm::dvec3(to) - glm::dvec3(from);
-    const double laps = (double(start) + double(speed) * seconds) / glm::length(way);
-    return glm::vec3(glm::dvec3(from) + way * (laps - std::floor(laps)));
+double Motion::swing() const {
+    // Circles of the first and the second arc touch: their middles are across/2 + radius and 2 radius apart, across the way and in all.
+    const double cosine = (0.5 * double(across) + double(radius)) / (2 * double(radius));
+    return cosine < 1 ? base::det::acos(cosine) : 0;
+}
+
+double Motion::turn() const { return double(radius) * (base::det::kPi + 4 * swing()); }
+double Motion::turnBeyond() const { return 2 * double(radius) * base::det::sin(swing()); }
+double Motion::lap() const { return 2 * (glm::distance(glm::dvec2(from), glm::dvec2(to)) + turn()); }
+
+Motion::Pose Motion::at(double seconds) const {
+    const glm::dvec2 way(glm::dvec3(to) - glm::dvec3(from));
+    const double length = glm::length(way), half = length + turn(), r = double(radius), side = swing();
+    const glm::dvec2 ahead = way / length, left(-ahead.y, ahead.x);
+    const double driven = double(start) + double(speed) * seconds;
+    double s = driven - 2 * half * std::floor(driven / (2 * half));
+    const bool back = s >= half;  // as the first half, turned about
+    if (back) s -= half;
+    glm::dvec2 p(std::min(s, length), 0);  // along the way there, and to its left
+    double turned = 0;
+    if (s > length) {
+        const double in = s - length, toEnd = half - s;
+        if (in < r * side) {
+            turned = -in / r;
+            const auto [sine, cosine] = base::det::sinCos(turned);
+            p = {length - r * sine, -r * (1 - cosine)};
+        } else if (toEnd > r * side) {
+            turned = in / r - 2 * side;
+            const auto [sine, cosine] = base::det::sinCos(turned);
+            p = {length + turnBeyond() + r * sine, 0.5 * double(across) - r * cosine};
+        } else {
+            turned = base::det::kPi + toEnd / r;
+            const auto [sine, cosine] = base::det::sinCos(toEnd / r);
+            p = {length + r * sine, double(across) + r * (1 - cosine)};
+        }
+    }
+    if (back) p = {length - p.x, double(across) - p.y}, turned += base::det::kPi;
+    const double heading = base::det::acos(ahead.x), z = double(from.z) + (double(to.z) - double(from.z)) * std::clamp(p.x / length, 0.0, 1.0);
+    return {glm::vec3(glm::dvec3(glm::dvec2(from) + p.x * ahead + p.y * left, z)), float((ahead.y < 0 ? -heading : heading) + turned)};
 }
 
 void Scene::moveTo(double seconds) {
-    for (const Motion& m : motions) instances[m.instance].translation = m.at(seconds);
+    for (const Motion& m : motions) {
+        const Motion::Pose pose = m.at(seconds);
+        instances[m.instance].translation = pose.translation;
+        instances[m.instance].yaw = pose.yaw;
+    }
 }
 
 Facts Scene::facts() const {
@@ -169,6 +209,8 @@ uint64_t Scene::contentHash() const {
         h.value(m.to);
         h.value(m.speed);
         h.value(m.start);
+        h.value(m.across);
+        h.value(m.radius);
     }
     return h.digest();
 }
@@ -259,9 +301,10 @@ void validate(const Scene& scene) {
     for (size_t i = 0; i < scene.motions.size(); ++i) {
         const Motion& m = scene.motions[i];
         if (m.instance >= scene.instances.size()) fail(fmt::format("motion {} names an instance that does not exist", i));
-        requireFinite(base::allFinite(m.from) && base::allFinite(m.to) && std::isfinite(m.speed) && std::isfinite(m.start), scene.name,
-                      fmt::format("motion {}", i));
-        if (m.from == m.to || m.speed < 0) fail(fmt::format("motion {} goes nowhere, or backwards", i));
+        requireFinite(base::allFinite(m.from) && base::allFinite(m.to) && std::isfinite(m.speed) && std::isfinite(m.start) && std::isfinite(m.across) && std::isfinite(m.radius),
+                      scene.name, fmt::format("motion {}", i));
+        if (glm::vec2(m.from) == glm::vec2(m.to) || m.speed < 0) fail(fmt::format("motion {} goes nowhere, or backwards", i));
+        if (!(m.across > 0 && m.radius >= 0.5f * m.across)) fail(fmt::format("motion {} turns by {} m with a radius of {} m; it must be at least half of that, and both above 0", i, m.across, m.radius));
     }
     if (scene.views.empty()) fail("it has no view");
     for (const View& v : scene.views) {

@@ -100,14 +100,27 @@ struct LocalLight {
     float innerAngle = 0, outerAngle = 3.14159274f;  ///< radians from the axis, 0 ≤ inner < outer ≤ π (a lamp without a shade)
 };
 
-/// An instance that drives from `from` to `to` and begins again there, for ever.
+/// An instance that drives for ever round a closed way: from `from` to `to`, by a left turn onto the way back, back, and by
+/// the same turn to where it began. A turn is an arc to the right that makes room for it, more than half a circle to the left, and an
+/// arc to the right; where `radius` is half of `across`, half a circle. Position and heading are continuous.
 struct Motion {
     uint32_t instance = 0;
-    glm::vec3 from{0}, to{0};  ///< metres from Scene::origin, not the same place
+    glm::vec3 from{0}, to{0};  ///< metres from Scene::origin, apart in the plane
     float speed = 0;           ///< metres per second, ≥ 0
     float start = 0;           ///< metres beyond `from` at time 0
+    float across = 4;          ///< metres from the way there to the way back, on its left, > 0
+    float radius = 4;          ///< metres, of all arcs, ≥ across / 2
 
-    glm::vec3 at(double seconds) const;
+    struct Pose {
+        glm::vec3 translation;  ///< metres from Scene::origin
+        float yaw;              ///< radians; 0: heading along +x
+    };
+    Pose at(double seconds) const;
+    double turn() const;  ///< metres, the length of a turn
+    double lap() const;   ///< metres round the whole way
+    /// Metres that the middle of the turn's circle lies beyond `to` (it is half of `across` to its left).
+    double turnBeyond() const;
+    double swing() const;  ///< radians of the arcs to the right
 };
 
 /// What a scene has, derived from its content and never declared: later stages leave out what is absent.
@@ -141,10 +154,10 @@ struct Scene {
     Sun sun;
     std::vector<Sun> furtherSuns;  ///< as a window's reflection or a floodlight far off may be; at most kMostSuns with the first
     std::vector<LocalLight> lights;
-    std::vector<Motion> motions;  ///< of moving instances; their translations are those of the last moveTo()
+    std::vector<Motion> motions;  ///< of moving instances; their poses are those of the last moveTo()
     std::vector<std::string> dropped;  ///< what dropBadInstances() has removed and why; not part of the content
 
-    /// Sets the translations of the moving instances to those at a time. What the wind bends is not touched: shapes are
+    /// Sets the translations and yaws of the moving instances to those at a time. What the wind bends is not touched: shapes are
     /// those of the recipe's time.
     void moveTo(double seconds);
 

@@ -123,7 +123,7 @@ private:
 
     /// Traffic keeps to the right: cars head against the kerb's direction, which has its block to the left.
     void parkCars(const Line& kerb, double length, base::Random& random) {
-        for (double x = 10; x < length - 10; x += 5.7) {
+        for (double x = kParkingMargin; x < length - kParkingMargin; x += 5.7) {
             const double taken = random.next(), colour = random.next(), along = random.next(), turn = random.next() - 0.5;
             if (taken >= options_.cars) continue;
             glm::dvec2 heading = -kerb.direction + kerb.left() * (0.05 * turn);

@@ -123,7 +123,7 @@ private:
             lights.push_back({{"position", toJson(l.position)}, {"direction", toJson(l.direction)}, {"intensity", toJson(l.intensity)},
                               {"range", l.range}, {"innerAngle", l.innerAngle}, {"outerAngle", l.outerAngle}});
         for (const Motion& m : scene_.motions)
-            motions.push_back({{"instance", m.instance}, {"from", toJson(m.from)}, {"to", toJson(m.to)}, {"speed", m.speed}, {"start", m.start}});
+            motions.push_back({{"instance", m.instance}, {"from", toJson(m.from)}, {"to", toJson(m.to)}, {"speed", m.speed}, {"start", m.start}, {"across", m.across}, {"radius", m.radius}});
         Json exact = {{"origin", toJson(scene_.origin)}, {"sun", {scene_.sun.azimuth, scene_.sun.elevation}}, {"prototypes", prototypes},
                       {"instances", instances}, {"materials", materials}, {"views", views}, {"lights", lights}, {"motions", motions}};
         for (const Sun& s : scene_.furtherSuns) exact["furtherSuns"].push_back({s.azimuth, s.elevation, s.strength});

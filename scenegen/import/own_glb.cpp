@@ -61,7 +61,8 @@ public:
             scene.lights.push_back({vec<glm::vec3>(l.at("position")), vec<glm::vec3>(l.at("direction")), vec<glm::vec3>(l.at("intensity")),
                                     l.at("range").get<float>(), l.at("innerAngle").get<float>(), l.at("outerAngle").get<float>()});
         for (const Json& m : exact.at("motions"))
-            scene.motions.push_back({m.at("instance").get<uint32_t>(), vec<glm::vec3>(m.at("from")), vec<glm::vec3>(m.at("to")), m.at("speed").get<float>(), m.at("start").get<float>()});
+            scene.motions.push_back({m.at("instance").get<uint32_t>(), vec<glm::vec3>(m.at("from")), vec<glm::vec3>(m.at("to")), m.at("speed").get<float>(), m.at("start").get<float>(),
+                                     m.at("across").get<float>(), m.at("radius").get<float>()});
         return scene;
     }
 

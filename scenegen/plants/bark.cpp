@@ -123,18 +123,20 @@ Mesh buildBark(const Species& species, const Skeleton& skeleton, const BarkPlan&
         const Cage cage = cageOf(species, skeleton.stems[i], plan.coarser);
         groups[{cage.sides, cage.rings, cage.refine}].push_back(i);
     }
-    size_t vertices = 0, indices = 0;
+    size_t vertices = 0, indices = 0, most = 0;
     for (const auto& [key, stems] : groups) {
         const TubeTopology& topology = tubeTopology(std::get<0>(key), std::get<1>(key), std::get<2>(key));
         vertices += stems.size() * topology.vertices();
         indices += stems.size() * topology.indices.size();
+        most = std::max(most, std::min(stems.size(), size_t(kLanes)) * topology.vertices());
     }
 
     Mesh mesh;
-    mesh.positions.resize(vertices);
-    mesh.normals.resize(vertices);
+    mesh.positions.reserve(vertices);
+    mesh.normals.reserve(vertices);
     mesh.indices.resize(indices);
     std::vector<float> controls;
+    std::vector<glm::vec3> positions(most), normals(most);  // of kLanes tubes, on their way into memory that is not written twice
     size_t vertex = 0;
     uint32_t* index = mesh.indices.data();
     for (const auto& [key, stems] : groups) {
@@ -147,7 +149,10 @@ Mesh buildBark(const Species& species, const Skeleton& skeleton, const BarkPlan&
                 const Stem& stem = skeleton.stems[stems[begin + lane]];
                 writeControls(stem, stem.level == 0 ? lobed : round, lane, controls.data());
             }
-            evaluateTubes(topology, controls.data(), int(lanes), &mesh.positions[vertex], &mesh.normals[vertex]);
+            evaluateTubes(topology, controls.data(), int(lanes), positions.data(), normals.data());
+            const auto end = long(lanes * topology.vertices());
+            mesh.positions.insert(mesh.positions.end(), positions.begin(), positions.begin() + end);
+            mesh.normals.insert(mesh.normals.end(), normals.begin(), normals.begin() + end);
             for (size_t lane = 0; lane < lanes; ++lane, vertex += topology.vertices())
                 for (const uint32_t i : topology.indices) *index++ = uint32_t(vertex) + i;
         }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace dapple::scenegen {
 namespace {
@@ -24,9 +25,8 @@ public:
         first_.resize(size_t(count_.x) * size_t(count_.y) * size_t(count_.z) + 1);
         for (const glm::dvec3& a : points) ++first_[cell(cellOf(a)) + 1];
         std::partial_sum(first_.begin(), first_.end(), first_.begin());
-        for (std::vector<double>* column : {&x_, &y_, &z_, &distance2_}) column->resize(points.size() + kStride);
+        for (std::vector<double>* column : {&x_, &y_, &z_, &distance2_, &nearest_, &pulledBy_}) column->resize(points.size() + 1, kNone);
         pull_.resize(points.size());
-        nearest_.resize(points.size(), -1);
         std::vector<size_t> next = first_;
         for (const glm::dvec3& a : points) {
             const size_t i = next[cell(cellOf(a))]++;
@@ -43,38 +43,49 @@ public:
     }
 
     /// Of each node, the sum of the unit vectors to its attractors.
-    void pulls(std::vector<glm::dvec3>& sums) const {
-        std::fill(sums.begin(), sums.end(), glm::dvec3(0));
-        for (size_t i = 0; i < nearest_.size(); ++i)
-            if (nearest_[i] >= 0) sums[size_t(nearest_[i])] += pull_[i];
-    }
-
-private:
-    static constexpr size_t kStride = 4;
-    glm::ivec3 cellOf(const glm::dvec3& p) const { return glm::ivec3(glm::floor((p - lo_) / p_.influence)); }
-    size_t cell(const glm::ivec3& c) const { return (size_t(c.z) * size_t(count_.y) + size_t(c.y)) * size_t(count_.x) + size_t(c.x); }
-
-    /// Looks at up to kStride - 1 attractors past `end`, which does no harm.
-    void addToRow(size_t begin, size_t end, const glm::dvec3& node, int index) {
-        const Pair3 from{Pair{node.x, node.x}, Pair{node.y, node.y}, Pair{node.z, node.z}};
-        const auto distance2 = [&](size_t i) {
-            const Pair3 d = Pair3{loadPair(&x_[i]), loadPair(&y_[i]), loadPair(&z_[i])} - from;
-            return dot(d, d);
-        };
-        for (size_t i = begin; i < end; i += kStride) {
-            const Pair d[2] = {distance2(i), distance2(i + 2)};
-            const auto nearer = (d[0] < loadPair(&distance2_[i])) | (d[1] < loadPair(&distance2_[i + 2]));
-            if ((nearer[0] | nearer[1]) == 0) continue;  // of most
-            for (size_t k = 0; k < kStride; ++k)
-                if (const double d2 = d[k / 2][k % 2]; d2 < distance2_[i + k]) draw(i + k, node, d2, index);
+    void pulls(const std::vector<CrownNode>& nodes, std::vector<glm::dvec3>& sums) {
+        dropReached();
+        sums.assign(nodes.size(), glm::dvec3(0));
+        for (size_t i = 0; i < first_.back(); ++i) {
+            const double node = nearest_[i];
+            if (node == kNone) continue;
+            if (node != std::exchange(pulledBy_[i], node)) pull_[i] = glm::normalize(at(i) - nodes[size_t(node)].position);
+            sums[size_t(node)] += pull_[i];
         }
     }
 
-    void draw(size_t attractor, const glm::dvec3& node, double d2, int index) {
-        const bool reached = d2 < p_.kill * p_.kill;
-        distance2_[attractor] = reached ? 0 : d2;
-        nearest_[attractor] = reached ? -1 : index;
-        pull_[attractor] = glm::normalize(glm::dvec3(x_[attractor], y_[attractor], z_[attractor]) - node);
+private:
+    static constexpr double kNone = -1;
+    glm::dvec3 at(size_t i) const { return {x_[i], y_[i], z_[i]}; }
+    glm::ivec3 cellOf(const glm::dvec3& p) const { return glm::ivec3(glm::floor((p - lo_) / p_.influence)); }
+    size_t cell(const glm::ivec3& c) const { return (size_t(c.z) * size_t(count_.y) + size_t(c.y)) * size_t(count_.x) + size_t(c.x); }
+
+    /// Looks at one attractor past `end` perhaps, which does no harm.
+    void addToRow(size_t begin, size_t end, const glm::dvec3& node, int index) {
+        const Pair3 from{Pair{node.x, node.x}, Pair{node.y, node.y}, Pair{node.z, node.z}};
+        // No branches: which are nearer cannot be predicted.
+        for (size_t i = begin; i < end; i += 2) {
+            const Pair3 d = Pair3{loadPair(&x_[i]), loadPair(&y_[i]), loadPair(&z_[i])} - from;
+            const Pair old = loadPair(&distance2_[i]), d2 = dot(d, d), before = loadPair(&nearest_[i]);
+            storePair(&distance2_[i], d2 < old ? d2 : old);
+            storePair(&nearest_[i], d2 < old ? Pair{double(index), double(index)} : before);
+        }
+    }
+
+    /// The others keep their order, and so do their sums.
+    void dropReached() {
+        const double reached = p_.kill * p_.kill;
+        size_t to = 0;
+        for (size_t c = 0, i = 0; c + 1 < first_.size(); ++c) {
+            first_[c] = to;
+            for (; i < first_[c + 1]; ++i) {
+                if (distance2_[i] < reached) continue;
+                x_[to] = x_[i], y_[to] = y_[i], z_[to] = z_[i], distance2_[to] = distance2_[i];
+                pull_[to] = pull_[i], nearest_[to] = nearest_[i], pulledBy_[to] = pulledBy_[i];
+                ++to;
+            }
+        }
+        first_.back() = to;
     }
 
     const ColonisationParameters& p_;
@@ -82,21 +93,32 @@ private:
     glm::ivec3 count_;
     std::vector<size_t> first_;        // attractor of each cell
     std::vector<double> x_, y_, z_;    // of the attractors
-    std::vector<double> distance2_;    // to the nearest node, at first the radius of influence; 0 when reached
-    std::vector<glm::dvec3> pull_;     // unit, from that node
-    std::vector<int> nearest_;         // -1: none
+    std::vector<double> distance2_;    // to the nearest node, at first the radius of influence
+    std::vector<double> nearest_;      // that node: whole numbers, for they are compared and kept in pairs with the distances
+    std::vector<glm::dvec3> pull_;     // unit, from the node
+    std::vector<double> pulledBy_;     // that pull_ was last asked for
 };
 
 std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t seed) {
     const double radius = species.prune.width * height, foot = species.baseSize * height;
+    const auto wanted = size_t(species.colonisation->attractors);
     base::Random random(seed, 0, kAttractorPurpose);
-    std::vector<glm::dvec3> points;
-    while (points.size() < size_t(species.colonisation->attractors)) {
-        const glm::dvec3 p{radius * random.next(-1, 1), radius * random.next(-1, 1), foot + (height - foot) * random.next()};  // braces: in this order
-        const double across2 = p.x * p.x + p.y * p.y;
-        if (across2 >= radius * radius) continue;  // a power takes long
-        const double widest = radius * envelopeRatio(species.prune, (height - p.z) / (height - foot));
-        if (across2 < widest * widest) points.push_back(p);
+    std::vector<glm::dvec3> points, drawn;
+    std::vector<double> widest;
+    while (points.size() < wanted) {
+        // Many at a time: their powers go abreast.
+        drawn.clear(), widest.clear();
+        for (size_t i = 0; i < wanted; ++i) {
+            const glm::dvec3 p{radius * random.next(-1, 1), radius * random.next(-1, 1), foot + (height - foot) * random.next()};  // braces: in this order
+            if (p.x * p.x + p.y * p.y >= radius * radius) continue;
+            drawn.push_back(p);
+            widest.push_back((height - p.z) / (height - foot));
+        }
+        envelopeRatios(species.prune, widest);
+        for (size_t i = 0; i < drawn.size() && points.size() < wanted; ++i) {
+            const double w = radius * widest[i];
+            if (drawn[i].x * drawn[i].x + drawn[i].y * drawn[i].y < w * w) points.push_back(drawn[i]);
+        }
     }
     return points;
 }
@@ -118,8 +140,7 @@ std::vector<CrownNode> colonise(const Species& species, double height, double ra
 
     for (size_t before = 0; before != nodes.size() && nodes.size() < kMostNodes;) {
         before = nodes.size();
-        pulls.resize(before);
-        attractors.pulls(pulls);
+        attractors.pulls(nodes, pulls);
         for (size_t i = 0; i < before; ++i) {
             if (pulls[i] == lastPull[i]) continue;
             lastPull[i] = pulls[i];

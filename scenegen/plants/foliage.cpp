@@ -22,7 +22,12 @@ constexpr double kFarScaleX = 0.4;
 class LeafBatch {
 public:
     LeafBatch(Mesh& mesh, const LeafParameters& p, LeafShape shape, LeafMode mode, double growth, int lod)
-        : mesh_(mesh), p_(p), shape_(shape), mode_(mode), corners_(leafVertices(shape, mode)), indices_(3 * leafTriangles(shape, mode)), growth_(growth), lod_(lod) {}
+        : mesh_(mesh), p_(p), shape_(shape), mode_(mode), corners_(leafVertices(shape, mode)), indices_(3 * leafTriangles(shape, mode)), growth_(growth), lod_(lod) {
+        block_.positions.resize(kSize * corners_);
+        block_.normals.resize(kSize * corners_);
+        block_.indices.resize(kSize * indices_);
+        if (mode == LeafMode::card) block_.uvs.resize(kSize * corners_);
+    }
 
     /// Leaves 0 … n - 1 of a site.
     void grow(const LeafSite& site, size_t n, base::Random random) {
@@ -43,8 +48,15 @@ public:
     void flush() {
         orient();
         place();
-        for (size_t i = 0; i < count_; ++i, vertex_ += corners_, index_ += indices_)
-            setLeaf(mesh_, shape_, mode_, vertex_, index_, {centre_.at(i), z_.at(i), x_.at(i), y_.at(i), length_.v[i], width_.v[i]});
+        const auto first = uint32_t(mesh_.positions.size());
+        for (size_t i = 0; i < count_; ++i)
+            setLeaf(block_, shape_, mode_, i * corners_, i * indices_, first, {centre_.at(i), z_.at(i), x_.at(i), y_.at(i), length_.v[i], width_.v[i]});
+        // Into reserved memory, which is not written twice.
+        const auto append = [](auto& to, const auto& from, size_t n) { to.insert(to.end(), from.begin(), from.begin() + long(n)); };
+        append(mesh_.positions, block_.positions, count_ * corners_);
+        append(mesh_.normals, block_.normals, count_ * corners_);
+        append(mesh_.indices, block_.indices, count_ * indices_);
+        if (mode_ == LeafMode::card) append(mesh_.uvs, block_.uvs, count_ * corners_);
         count_ = 0;
     }
 
@@ -144,8 +156,8 @@ private:
     size_t corners_, indices_;  // of one leaf
     double growth_;
     int lod_;
-    size_t count_ = 0;                // that wait
-    size_t vertex_ = 0, index_ = 0;   // where the first of them goes
+    Mesh block_;              // of those that wait, from where they go into the mesh together
+    size_t count_ = 0;        // that wait
     Column spin_, down_;     // radians, about the twig and away from it
     Column length_, width_;  // metres
     Column behind_;          // of the root, metres: how far a leaf that stands for several reaches back
@@ -202,10 +214,10 @@ Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMo
     if (available <= 0 || count == 0) return mesh;
     const LeafShape shape = leafShape(species, lod);
     const size_t corners = leafVertices(shape, mode);
-    mesh.positions.resize(corners * count);
-    mesh.normals.resize(corners * count);
-    mesh.indices.resize(3 * leafTriangles(shape, mode) * count);
-    if (mode == LeafMode::card) mesh.uvs.resize(corners * count);
+    mesh.positions.reserve(corners * count);
+    mesh.normals.reserve(corners * count);
+    mesh.indices.reserve(3 * leafTriangles(shape, mode) * count);
+    if (mode == LeafMode::card) mesh.uvs.reserve(corners * count);
 
     const double growth = std::clamp(std::sqrt(available / double(count)), kMinGrowth, kMaxGrowth[lod]);
     LeafBatch batch(mesh, species.leaves, shape, mode, growth, lod);

@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -63,25 +64,27 @@ inline PairSinCos sinCos(Pair x) {
             reinterpret_cast<Pair>(((bs & odd) | (bc & ~odd)) ^ signOf(quadrant + 1))};
 }
 
-/// x to the y as det::pow gives it, for each x in place. A power is one long chain of quotients: those of four numbers, in two pairs, go abreast.
+/// x to the y as det::pow gives it, for each x in place. A power is one long chain of quotients: those of eight numbers, in four pairs, go abreast.
 inline void powers(std::span<double> x, double y) {
-    constexpr size_t kAbreast = 4;
+    constexpr size_t kAbreast = 8;
     for (size_t begin = 0; begin < x.size(); begin += kAbreast) {
         const size_t n = std::min(kAbreast, x.size() - begin);
         double* const from = x.data() + begin;
-        double m[kAbreast] = {1, 1, 1, 1}, scale[kAbreast] = {};
+        double m[kAbreast], scale[kAbreast] = {};
+        std::fill(m, m + kAbreast, 1.0);
         for (size_t i = 0; i < n; ++i) {
             int exponent = 0;
             if (from[i] > 0) m[i] = base::det::partsForLog2(from[i], exponent);
             scale[i] = exponent;
         }
-        Pair product[2], whole[2];
-        for (size_t i = 0; i < 2; ++i) {
+        Pair product[kAbreast / 2], whole[kAbreast / 2];
+        for (size_t i = 0; i < kAbreast / 2; ++i) {
             product[i] = y * base::det::log2OfParts(loadPair(m + 2 * i), loadPair(scale + 2 * i));
             whole[i] = Pair{std::floor(product[i][0] + 0.5), std::floor(product[i][1] + 0.5)};
             product[i] = (product[i] - whole[i]) * 0.69314718055994530942;
         }
-        const Pair power[2] = {base::det::expNearZero(product[0]), base::det::expNearZero(product[1])};
+        Pair power[kAbreast / 2];
+        for (size_t i = 0; i < kAbreast / 2; ++i) power[i] = base::det::expNearZero(product[i]);
         for (size_t i = 0; i < n; ++i) from[i] = from[i] > 0 ? std::ldexp(power[i / 2][i % 2], int(whole[i / 2][i % 2])) : 0;
     }
 }

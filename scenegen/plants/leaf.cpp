@@ -112,11 +112,11 @@ size_t leafTriangles(LeafShape shape, LeafMode mode) {
     return count;
 }
 
-void setLeaf(Mesh& mesh, LeafShape shape, LeafMode mode, size_t vertex, size_t firstIndex, const Blade& blade) {
+void setLeaf(Mesh& mesh, LeafShape shape, LeafMode mode, size_t vertex, size_t firstIndex, uint32_t shift, const Blade& blade) {
     const Frame frame(blade);
     glm::vec3 *position = &mesh.positions[vertex], *normal = &mesh.normals[vertex];
     uint32_t* index = &mesh.indices[firstIndex];
-    auto next = uint32_t(vertex);
+    auto next = uint32_t(vertex) + shift;
     if (mode == LeafMode::card) return setCard(position, normal, &mesh.uvs[vertex], next, index, frame);
     for (const Piece& piece : piecesOf(shape))
         if (mode == LeafMode::solid)

@@ -21,8 +21,8 @@ struct Blade {
 };
 
 /// Writes a leaf's vertices, indices and, for a card, texture coordinates from those places of a mesh on, which has room for
-/// them. A polygon's vertices come piece by piece (the shape `three` has three), from its root counter-clockwise; a solid's
+/// them; its vertices will have numbers that are `shift` higher. A polygon's vertices come piece by piece (the shape `three` has three), from its root counter-clockwise; a solid's
 /// are those of its upper side and a point over their middle, then the same of its lower side.
-void setLeaf(Mesh& mesh, LeafShape shape, LeafMode mode, size_t vertex, size_t firstIndex, const Blade& blade);
+void setLeaf(Mesh& mesh, LeafShape shape, LeafMode mode, size_t vertex, size_t firstIndex, uint32_t shift, const Blade& blade);
 
 }  // namespace dapple::scenegen

@@ -131,6 +131,11 @@ private:
     void growStem(Stem stem, const glm::dmat3& frame, const glm::dvec3& position, int segment, double correction) {
         const auto id = int(skeleton_.stems.size());
         stem.root = frame;
+        if (isLater(stem) && !isPruned(stem)) {
+            leaveForLater(stem);
+            skeleton_.stems.push_back(std::move(stem));
+            return;
+        }
         std::vector<Fork> forks;
         if (!shape(stem, id, frame, position, segment, correction, forks)) return;
         skeleton_.stems.emplace_back();  // its place, before those of its forks and children
@@ -147,11 +152,20 @@ private:
         skeleton_.stems[size_t(id)] = std::move(stem);
     }
 
+    bool isLater(const Stem& stem) const { return twigsLater_ && size_t(stem.level) + 1 == species_.levels.size(); }
+    bool isPruned(const Stem& stem) const { return species_.prune.ratio > 0 && stem.level > 0; }
+
+    void leaveForLater(Stem& stem) const {
+        const LevelParameters& p = species_.levels[size_t(stem.level)];
+        stem.faceted = p.refine == 0;
+        stem.ringCount = size_t(p.curveRes) + 1;
+    }
+
     /// Gives the stem its rings and, if it is pruned (section 4.6), its length; false if too little fits into the envelope.
     bool shape(Stem& stem, int id, const glm::dmat3& frame, const glm::dvec3& root, int segment, double correction, std::vector<Fork>& forks) {
         const LevelParameters& p = species_.levels[size_t(stem.level)];
-        const bool later = twigsLater_ && size_t(stem.level) + 1 == species_.levels.size(), pruned = species_.prune.ratio > 0 && stem.level > 0;
-        if (!later || pruned) steer(stem, id, frame, segment, correction, forks);
+        const bool pruned = isPruned(stem);
+        steer(stem, id, frame, segment, correction, forks);
         const double whole = stem.length;
         if (pruned) {
             double fit = whole;
@@ -166,9 +180,8 @@ private:
             if (stem.length < kShortest * whole) return false;
         }
         stem.faceted = p.refine == 0;
-        if (later) {
-            stem.ringCount = size_t(p.curveRes) + 1;
-            if (!pruned) return true;
+        if (isLater(stem)) {
+            leaveForLater(stem);
             skeleton_.courses.insert(skeleton_.courses.end(), course_.begin(), course_.end());
             stem.courseEnd = skeleton_.courses.size();
         } else {
@@ -253,7 +266,7 @@ private:
     /// Every `stride`-th ring and the last.
     void addRings(Stem& stem, const glm::dmat3& frame, glm::dvec3 position, int segment, int stride) const {
         const LevelParameters& p = species_.levels[size_t(stem.level)];
-        stem.rings.reserve(course_.size() / size_t(stride) + 4);
+        stem.rings.reserve(course_.size() / size_t(stride) + (stem.level == 0 ? 4 : 2));
         const double step = stem.length / p.curveRes;
         if (segment > 0) stem.start = segment * step;
         const auto addRing = [&](const glm::dvec3& centre, double offset) {

@@ -3,6 +3,7 @@
 #include "base/detmath.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "scenegen/plants/lanes.h"
 
 #include <fmt/format.h>
 
@@ -193,6 +194,20 @@ double envelopeRatio(const PruneParameters& p, double r) {
     if (r < 0 || r > 1) return 0;
     const auto [base, power] = envelopePower(p, r);
     return base::det::pow(base, power);  // 0 for a base of 0, so that a power of 0 still closes the envelope
+}
+
+void envelopeRatios(const PruneParameters& p, std::span<double> ratios) {
+    std::vector<double> bases[2];  // of either exponent
+    const auto of = [&](double power) -> std::vector<double>& { return bases[power == p.powerLow]; };
+    for (const double r : ratios)
+        if (r >= 0 && r <= 1) {
+            const auto [base, power] = envelopePower(p, r);
+            of(power).push_back(base);
+        }
+    powers(bases[1], p.powerLow);
+    powers(bases[0], p.powerHigh);
+    const double* next[2] = {bases[0].data(), bases[1].data()};
+    for (double& r : ratios) r = r >= 0 && r <= 1 ? *next[envelopePower(p, r).second == p.powerLow]++ : 0;
 }
 
 }  // namespace dapple::scenegen

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -104,5 +105,8 @@ double shapeRatio(int shape, double ratio);
 
 /// The same for the pruning envelope (shape 8), in shares of its width; 0 outside 0 ≤ ratio ≤ 1.
 double envelopeRatio(const PruneParameters& prune, double ratio);
+
+/// The same of many, in place.
+void envelopeRatios(const PruneParameters& prune, std::span<double> ratios);
 
 }  // namespace dapple::scenegen

@@ -2,6 +2,7 @@
 
 #include "base/hash.h"
 
+#include <array>
 #include <cstdint>
 
 namespace dapple::base {
@@ -14,7 +15,7 @@ public:
     constexpr Random(uint64_t seed, uint64_t object, uint64_t purpose)
         : key_(mix64(mix64(mix64(seed) ^ object) ^ purpose)) {}
 
-    constexpr uint64_t bits(uint64_t index) const { return mix64(key_ ^ mix64(index)); }
+    constexpr uint64_t bits(uint64_t index) const { return mix64(key_ ^ (index < kMixed.size() ? kMixed[index] : mix64(index))); }
     /// Uniform in [0, 1), a multiple of 2^-24.
     constexpr float uniform(uint64_t index) const {
         return static_cast<float>(bits(index) >> 40) * 0x1p-24f;
@@ -26,6 +27,12 @@ public:
     constexpr float next(float lo, float hi) { return lo + (hi - lo) * next(); }
 
 private:
+    /// Of the indices that most sequences stay within.
+    static constexpr auto kMixed = [] {
+        std::array<uint64_t, 256> mixed{};
+        for (uint64_t i = 0; i < mixed.size(); ++i) mixed[i] = mix64(i);
+        return mixed;
+    }();
     uint64_t key_;
     uint64_t counter_ = 0;
 };

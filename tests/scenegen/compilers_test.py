@@ -1,6 +1,6 @@
 """One recipe gives the same bytes from g++ at -O0 and -O3 and from clang++ as from the program under test.
 
-What computes geometry (plants, placement, terrain, primitives, the grid) is compiled anew with each; recipes, files and the rest come
+What computes geometry (plants, placement, terrain, primitives, cities and their traffic, the grid) is compiled anew with each; recipes, files and the rest come
 from the program's own library, whose copies of these sources the linker then does not take.
 """
 import os
@@ -20,7 +20,7 @@ DRIVER = """
 #include "base/hash.h"
 #include "scenegen/library.h"
 #include <cstdio>
-int main(int, char** argv) { std::puts(dapple::base::hex16(dapple::scenegen::loadScene(argv[1]).contentHash()).c_str()); }
+int main(int n, char** argv) { std::puts(dapple::base::hex16(dapple::scenegen::loadScene(argv[1], {argv + 2, argv + n}).contentHash()).c_str()); }
 """
 
 HEAD = """description = "Every species at two levels of detail, with every kind of leaf, in the wind"
@@ -62,7 +62,8 @@ def sources(folder):
     parts = sorted((SOURCE / "scenegen/plants").glob("*.cpp")) + sorted((SOURCE / "scenegen/placement").glob("*.cpp"))
     unity = folder / "unity.cpp"
     unity.write_text("".join(f'#include "{p}"\n' for p in [*parts, SOURCE / "scenegen/primitives.cpp"]) + DRIVER)
-    return [unity, SOURCE / "scenegen/lod/grid.cpp", *sorted((SOURCE / "scenegen/terrain").glob("*.cpp"))]
+    return [unity, SOURCE / "scenegen/lod/grid.cpp", SOURCE / "scenegen/scene.cpp",
+            *sorted((SOURCE / "scenegen/terrain").glob("*.cpp")), *sorted((SOURCE / "scenegen/city").glob("*.cpp"))]
 
 
 def run(command):
@@ -81,11 +82,11 @@ def compileAll(compiler, level, files, folder, pool):
     return [pool.submit(one, source) for source in files]
 
 
-def hashOf(compiler, level, objects, folder, libraries, scene):
+def link(compiler, level, objects, folder, libraries):
     program = folder / f"driver-{compiler}{level}"
     exr = run(["pkg-config", "--libs", "OpenEXR"]).split()
     run([compiler, *objects, *libraries, *(f"-l{name}" for name in LIBRARIES), *exr, "-o", str(program)])
-    return run([str(program), str(scene)]).strip()
+    return str(program)
 
 
 def main():
@@ -95,7 +96,12 @@ def main():
         folder = Path(name)
         scene = folder / "every-species.toml"
         scene.write_text(recipe())
-        expected = re.search(r"^hash\s+([0-9a-f]{16})$", run([str(program), "scene", str(scene), "--stats"]), re.M).group(1)
+        scenes = [[str(scene)], ["city-vienna", "scale=0.1"], ["city-manhattan", "scale=0.03"]]
+
+        def hashOfProgram(name, *settings):
+            stats = run([str(program), "scene", name, *(f"--set={s}" for s in settings), "--stats"])
+            return re.search(r"^hash\s+([0-9a-f]{16})$", stats, re.M).group(1)
+        expected = [hashOfProgram(*s) for s in scenes]
         files, objects = sources(folder), {}
         for compiler, level in COMPILERS:
             if shutil.which(compiler):
@@ -104,9 +110,11 @@ def main():
                 print(f"{compiler} {level}: skipped, as {compiler} is not installed")
         different = False
         for (compiler, level), promises in objects.items():
-            found = hashOf(compiler, level, [p.result() for p in promises], folder, libraries, scene)
-            print(f"{compiler} {level}: {found}{'' if found == expected else f', but the program has {expected}'}")
-            different |= found != expected
+            driver = link(compiler, level, [p.result() for p in promises], folder, libraries)
+            for words, hash in zip(scenes, expected):
+                found = run([driver, *words]).strip()
+                print(f"{compiler} {level}, {Path(words[0]).stem}: {found}{'' if found == hash else f', but the program has {hash}'}")
+                different |= found != hash
         sys.exit(1 if different else 0)
 
 

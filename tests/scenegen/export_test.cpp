@@ -42,7 +42,7 @@ TEST(Export, readingBackGivesTheSameSceneToTheBit) {
         if (entry.name == "arboretum") settings.push_back("wind.strength=0.5");
         Scene scene = loadScene(entry.name, settings);
         scene.lights = {{{1, 2, 3}, {0, 0, -1}, {3, 2, 0.1f}, 17, 0.2f, 1.1f}, {}};
-        if (!scene.instances.empty()) scene.motions = {{0, {0.1f, 0, 0}, {1, 5, 0}, 3.3f, 0.7f}};
+        if (!scene.instances.empty()) scene.motions = {{0, {0.1f, 0, 0}, {1, 5, 0}, 3.3f, 0.7f, 3.1f, 2.7f}};
         const std::filesystem::path path = written(scene);
         const Scene back = loadScene(path.string());
         EXPECT_EQ(back.contentHash(), scene.contentHash());

@@ -57,7 +57,7 @@ TEST(Recipe, ARadiusLeavesOutWhatBeginsFartherAway) {
     ASSERT_LT(expected.size(), all.instances.size());
     ASSERT_EQ(near.instances.size(), expected.size());
     for (size_t k = 0; k < expected.size(); ++k) EXPECT_EQ(near.instances[k].translation, expected[k].translation) << k;
-    for (const Motion& m : near.motions) EXPECT_EQ(near.instances[m.instance].translation, m.at(0));
+    for (const Motion& m : near.motions) EXPECT_EQ(near.instances[m.instance].translation, m.at(0).translation);
 }
 
 }  // namespace

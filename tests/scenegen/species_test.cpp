@@ -332,10 +332,10 @@ TEST(Leaves, everyOutlineIsSoundFlatAndSolid) {
             m.positions.resize(2 * leafVertices(shape, mode));
             m.normals.resize(m.positions.size());
             m.indices.resize(6 * leafTriangles(shape, mode));
-            setLeaf(m, shape, mode, 0, 0, blade);
+            setLeaf(m, shape, mode, 0, 0, 0, blade);
             Blade other = blade;
             other.root.z = 3;
-            setLeaf(m, shape, mode, leafVertices(shape, mode), 3 * leafTriangles(shape, mode), other);
+            setLeaf(m, shape, mode, leafVertices(shape, mode), 3 * leafTriangles(shape, mode), 0, other);
             return m;
         };
         const Mesh flat = build(LeafMode::polygon), solid = build(LeafMode::solid);
