@@ -72,7 +72,7 @@ const std::vector<Axis> kAxes{
     {"apply", "how pixels and casters find each other",
      {{"zfail", "back faces of the bounding shadow volumes behind the scene, each pixel tested against its volume"},
       {"zpass", "front faces before the scene; back faces where a volume holds the eye"},
-      {"skip", "zfail without the test: outside its volume a map says lit"},
+      {"skip", "zfail without the test: outside its volume a map says lit, unless it is of another rotation"},
       {"tiled", "a compute pass bins the volumes to tiles of 16 × 16 pixels, and each pixel asks its tile's casters"},
       {"all", "one pass asks every caster at every pixel: the baseline before bounding volumes"}}},
     {"accumulate", "how several shadows on one pixel add up",
@@ -112,13 +112,13 @@ Settings instancedPreset(const char* own) {
 const std::vector<TechniqueInfo> kTechniques{
     {"bare", "baseline", "every instance drawn in one forward pass, nothing culled, no shadow: the yardstick", {}},
     {"unshadowed", "baseline", "the suite's frame without any shadow pass: what every shadow's cost is added to", withCamera({})},
-    {"uniform", "map", "one map over the whole scene (Williams 1978)", mapPreset("scene", "none", "1", "2048")},
-    {"focused", "map", "one map over view frustum ∩ scene (Brabec, Annen, Seidel 2002)", mapPreset("frustum", "none", "1", "2048")},
+    {"uniform", "map", "one map over the whole scene (Williams 1978)", mapPreset("scene", "none", "1", "2048"), 2},
+    {"focused", "map", "one map over view frustum ∩ scene (Brabec, Annen, Seidel 2002)", mapPreset("frustum", "none", "1", "2048"), 2},
     {"lispsm", "map", "light-space perspective shadow map (Wimmer, Scherzer, Purgathofer 2004)",
-     mapPreset("lispsm", "none", "1", "2048")},
-    {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024")},
-    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 3},
-    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 3},
+     mapPreset("lispsm", "none", "1", "2048"), 2},
+    {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024"), 2},
+    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 4},
+    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 4},
     {"stencil-volumes", "volume", "shadow volumes of the casters' silhouettes, counted behind the scene (Crow 1977; Everitt & Kilgard 2002)",
      withCamera({{"count", "stencil"}, {"cull", "frustum"}})},
 };
@@ -223,6 +223,8 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         const bool volumes = !is("apply", "tiled") && !is("apply", "all");
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
+        if (is("apply", "skip") && facts.rotated && !is("mode", "exact"))
+            return "outside a caster's volume a map of another rotation may darken pixels, so apply skip goes with mode exact or casters that nobody turned";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
         if (number("exact-casters") > 0 && !volumes) return "exact casters darken an image that volumes go on darkening: apply zpass, zfail or skip";
         if (number("exact-casters") > 0 && is("accumulate", "stencil")) return "exact casters are counted in the stencil: accumulate min or multiply";
