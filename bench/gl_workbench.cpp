@@ -196,9 +196,7 @@ private:
         appendLedger(figures, "", total);
         figures.push_back(figure("", "texels_in_use", renderer_.technique() ? double(renderer_.technique()->texelsInUse()) : 0));
         if (!all) return figures;
-        const gl::Texture* map = renderer_.technique() ? renderer_.technique()->map() : nullptr;
-        const double texels = map ? double(map->width()) * map->height() * std::max(map->layers(), 1) : 0;
-        figures.push_back(figure("", "texels_allocated", texels));
+        figures.push_back(figure("", "texels_allocated", renderer_.technique() ? double(renderer_.technique()->texels()) : 0));
         figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
         appendCasters(figures);

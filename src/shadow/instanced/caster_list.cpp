@@ -1,5 +1,6 @@
 #include "shadow/instanced/caster_list.h"
 
+#include "shadow/instanced/far_field.h"
 #include "shadow/map/caster_cull.h"
 
 #include <algorithm>
@@ -110,7 +111,7 @@ double CasterList::strayOf(const CasterType& type) const {
     return most;
 }
 
-void CasterList::collect() {
+void CasterList::collect(FarField* far) {
     sunTurn_ = maps_.sunTurn();
     std::vector<float> strays;
     for (const CasterType& type : maps_.types()) strays.push_back(float(strayOf(type)));
@@ -124,9 +125,12 @@ void CasterList::collect() {
     extrusion_ = extrusionFor(sceneBox, frame_.light());
     const double stray = strays_.empty() ? 0 : double(std::ranges::max(strays_));
     const CasterCull cull(lightBasis(frame_.light(), {0, 0, 1}), camera, body, 1e-3 * glm::length(sceneBox.size()) + stray);
-    casters_.clear();
+    instances_.clear();
     for (uint32_t i = 0; i < scene.instanceBoxes().size(); ++i)
-        if (maps_.typeOf(i) >= 0 && cull.keep(frame_.relativeBox(i))) casters_.push_back(casterOf(i));
+        if (maps_.typeOf(i) >= 0 && cull.keep(frame_.relativeBox(i))) instances_.push_back(i);
+    if (far) far->takeFar(instances_, extrusion_);
+    casters_.clear();
+    for (const uint32_t i : instances_) casters_.push_back(casterOf(i));
     const auto about = std::stable_partition(casters_.begin(), casters_.end(), [&](const GpuCaster& c) { return !holdsEye(c); });
     notAboutEye_ = size_t(about - casters_.begin());
     casterBuffer_.update(casters_.size() * sizeof(GpuCaster), casters_.data());

@@ -3,9 +3,7 @@
 #include <algorithm>
 
 namespace dapple::shadow {
-namespace {
 
-/// Convex hull, counter-clockwise: monotone chain (Andrew 1979).
 std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points) {
     std::vector<glm::dvec2> hull;
     std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -24,8 +22,6 @@ std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points) {
     }
     return hull;
 }
-
-}  // namespace
 
 CasterCull::CasterCull(const LightBasis& basis, const frame::Camera& camera, const std::vector<glm::dvec3>& body, double margin) {
     double extent = 0;

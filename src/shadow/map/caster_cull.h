@@ -4,6 +4,9 @@
 
 namespace dapple::shadow {
 
+/// Convex hull, counter-clockwise: monotone chain (Andrew 1979).
+std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points);
+
 /// Which casters can darken a body of receivers: a box swept along the light must meet it. Separating axes that the
 /// sweep cannot cross: those of the two silhouettes seen from the sun, which is exact there, and the faces of the body
 /// and of the box that look along the light. Conservative: edge against edge is left out.

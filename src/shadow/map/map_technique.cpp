@@ -25,8 +25,8 @@ constexpr uint64_t kBoundsLeaf = 10'000;
 
 class MapTechnique final : public Technique {
 public:
-    MapTechnique(frame::Frame& frame, const Settings& settings)
-        : frame_(frame), settings_(settings), size_(std::stoi(settings.at("size"))), layers_(std::stoi(settings.at("cascades"))),
+    MapTechnique(frame::Frame& frame, const Settings& settings, std::function<bool(uint32_t)> casts)
+        : frame_(frame), settings_(settings), casts_(std::move(casts)), size_(std::stoi(settings.at("size"))), layers_(std::stoi(settings.at("cascades"))),
           kind_(settings.at("fit") == "scene" ? FitKind::scene : settings.at("fit") == "lispsm" ? FitKind::lispsm : FitKind::frustum),
           cascades_(size_t(layers_)) {
         if (frame.scene().facts().casters) {
@@ -221,7 +221,9 @@ private:
         }, mask_ ? &drawn : nullptr);
     }
 
-    bool castsShadow(uint32_t i) const { return frame_.scene().prototypes()[frame_.scene().scene().instances[i].prototype].castsShadow; }
+    bool castsShadow(uint32_t i) const {
+        return casts_ ? casts_(i) : frame_.scene().prototypes()[frame_.scene().scene().instances[i].prototype].castsShadow;
+    }
 
     using CasterTest = std::function<bool(uint32_t)>;
     /// Which casters can darken the part of the view that a map serves.
@@ -292,6 +294,7 @@ private:
 
     frame::Frame& frame_;
     Settings settings_;
+    std::function<bool(uint32_t)> casts_;
     int size_, layers_;
     FitKind kind_;
     LightBasis basis_;
@@ -305,8 +308,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings) {
-    return std::make_unique<MapTechnique>(frame, settings);
+std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings, std::function<bool(uint32_t)> casts) {
+    return std::make_unique<MapTechnique>(frame, settings, std::move(casts));
 }
 
 }  // namespace dapple::shadow
