@@ -61,4 +61,30 @@ bool CasterCull::keep(const base::DBox& box) const {
     });
 }
 
+std::vector<uint32_t> CasterCull::kept(const gpuscene::Hierarchy& hierarchy, std::span<const base::Box> boxes, const glm::dvec3& eye) const {
+    const auto relative = [&](const base::Box& box) { return base::DBox{glm::dvec3(box.lo) - eye, glm::dvec3(box.hi) - eye}; };
+    std::vector<uint32_t> result, open;
+    if (!hierarchy.nodes().empty()) open.push_back(0);
+    while (!open.empty()) {
+        const uint32_t n = open.back();
+        const gpuscene::Hierarchy::Node& node = hierarchy.nodes()[n];
+        open.pop_back();
+        if (node.box.empty()) continue;
+        base::DBox box = relative(node.box);
+        const double slack = 1e-12 * (glm::length(box.lo) + glm::length(box.hi));  // what the test of a box within may round otherwise
+        box.lo -= slack;
+        box.hi += slack;
+        if (!keep(box)) continue;
+        if (!node.leaf()) {
+            open.push_back(n + 1);
+            open.push_back(node.right);
+            continue;
+        }
+        for (const uint32_t i : hierarchy.items(n))
+            if (!boxes[i].empty() && keep(relative(boxes[i]))) result.push_back(i);
+    }
+    std::ranges::sort(result);
+    return result;
+}
+
 }  // namespace dapple::shadow

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "gpuscene/hierarchy.h"
 #include "shadow/map/fit.h"
 
 namespace dapple::shadow {
@@ -15,6 +16,9 @@ public:
     /// `body`: vertices of receivers' convex hull, relative to the eye. `margin`: metres that a kernel and a bias reach.
     CasterCull(const LightBasis& basis, const frame::Camera& camera, const std::vector<glm::dvec3>& body, double margin);
     bool keep(const base::DBox& relativeBox) const;
+    /// The items of a hierarchy whose boxes it keeps, sorted; whole subtrees at a time are not. `boxes`: by item, as the hierarchy
+    /// has them, metres from Scene::origin, as `eye` is.
+    std::vector<uint32_t> kept(const gpuscene::Hierarchy& hierarchy, std::span<const base::Box> boxes, const glm::dvec3& eye) const;
 
 private:
     /// A box whose every point has dot(outward, p) > limit cannot reach the body.
