@@ -217,9 +217,9 @@ private:
         double texels = 0, texelsInUse = 0;
         for (size_t sun = 0; sun < renderer_.suns(); ++sun) {
             const shadow::Technique* technique = renderer_.technique(sun);
-            const gl::Texture* map = technique ? technique->map() : nullptr;
-            if (map) texels += double(map->width()) * map->height() * std::max(map->layers(), 1);
-            if (technique) texelsInUse += double(technique->texelsInUse());
+            if (!technique) continue;
+            texels += double(technique->texels());
+            texelsInUse += double(technique->texelsInUse());
         }
         figures.push_back(figure("", "texels_in_use", texelsInUse));
         if (!all) return figures;

@@ -40,7 +40,8 @@ Rows axes() {
     for (const shadow::Axis& axis : shadow::axes()) {
         std::string values;
         for (const shadow::Axis::Value& v : axis.values) values += (values.empty() ? "" : ", ") + v.name;
-        rows.push_back({axis.name, axis.values.empty() ? fmt::format("{} … {}", axis.lo, axis.hi) : values, axis.description});
+        if (axis.takesNumbers()) values += fmt::format("{}{} … {}", values.empty() ? "" : ", ", axis.lo, axis.hi);
+        rows.push_back({axis.name, values, axis.description});
     }
     return rows;
 }

@@ -118,9 +118,10 @@ float lookUp(Caster c, CasterType type, vec3 p, vec3 normal) {
     Basis b = basisOf(casterMaps[first ? c.firstMap : c.secondMap]);
     vec2 slope = abs(vec2(dot(normal, b.u), dot(normal, b.v))) * texel / max(-dot(normal, b.light), 1e-4);
     p = biased(p, normal, b.light, max(texel.x, texel.y), slope, vec2(0.0), depthStep);
-    vec3 q = (p - c.place.xyz) / c.place.w;
+    // Precise: fragment and compute shaders give the same bits, whatever a compiler would fuse in one of them.
+    precise vec3 q = (p - c.place.xyz) / c.place.w;
     bool inside = all(lessThanEqual(abs(toBoxAxes(c, q) - type.centre.xyz), type.half_.xyz));
-    vec3 s0 = mapCoordinates(c.firstMap, type, q, c.turn, inside), s1 = mapCoordinates(c.secondMap, type, q, c.secondTurn, inside);
+    precise vec3 s0 = mapCoordinates(c.firstMap, type, q, c.turn, inside), s1 = mapCoordinates(c.secondMap, type, q, c.secondTurn, inside);
 #if MODE == 0    // the nearer map alone
     vec3 s = first ? s0 : s1;
     return litIn(first ? c.firstMap : c.secondMap, s);

@@ -16,7 +16,7 @@ void main() {
     float depth = onScreen ? texelFetch(uDepth, pixel, 0).r : 0.0;
     vec3 p = vec3(0.0), normal = vec3(0.0);
     float lit = 1.0;
-    bool valid = false;
+    bool valid = false;  // the sky asks nobody, even where a volume holds the eye
     if (depth > 0.0) {
         p = viewRay(vec2(pixel) + 0.5) * eyeDepth(depth);
         normal = geometricNormal(pixel);
@@ -37,12 +37,12 @@ void main() {
             if (along.y >= along.x) sList[atomicAdd(sCount, 1u)] = uint(i);
         }
         barrier();
-        for (uint k = 0u; k < sCount && lit > 0.0; ++k) {
+        for (uint k = 0u; k < sCount && valid && lit > 0.0; ++k) {
             Caster c = casters[sList[k]];
             CasterType type = casterTypes[c.type];
             if (inVolume(c, type, p)) lit = min(lit, lookUp(c, type, p, normal));
         }
         barrier();
     }
-    if (onScreen) imageStore(uVisibility, pixel, vec4(lit, depth > 0.0 && valid ? 1.0 : 0.0, 0.0, 0.0));
+    if (onScreen) imageStore(uVisibility, pixel, vec4(lit, valid ? 1.0 : 0.0, 0.0, 0.0));
 }

@@ -5,7 +5,9 @@
 /// What the families share, and their makers. A new family adds its maker here and in technique.cpp.
 namespace dapple::shadow {
 
-std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings);
+/// `casts`: which instances the maps show, by index, asked in every frame; all that cast unless given. Such maps are culled by
+/// the CPU (cull none or frustum).
+std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings, const std::function<bool(uint32_t)>& casts = {});
 std::unique_ptr<Technique> makeInstanced(frame::Frame& frame, const Settings& settings);
 /// Throws UsageError when a casting prototype is not closed.
 std::unique_ptr<Technique> makeVolume(frame::Frame& frame, const Settings& settings);

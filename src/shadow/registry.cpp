@@ -75,7 +75,7 @@ const std::vector<Axis> kAxes{
     {"apply", "how pixels and casters find each other",
      {{"zfail", "back faces of the bounding shadow volumes behind the scene, each pixel tested against its volume"},
       {"zpass", "front faces before the scene; back faces where a volume holds the eye"},
-      {"skip", "zfail without the test: outside its volume a map says lit"},
+      {"skip", "zfail without the test: outside its volume a map says lit, unless it is of another rotation"},
       {"tiled", "a compute pass bins the volumes to tiles of 16 × 16 pixels, and each pixel asks its tile's casters"},
       {"all", "one pass asks every caster at every pixel: the baseline before bounding volumes"}}},
     {"accumulate", "how several shadows on one pixel add up",
@@ -93,6 +93,9 @@ const std::vector<Axis> kAxes{
     {"resolution", "texels along a side of an instanced map",
      {{"fixed", "size, for every map"},
       {"estimate", "the power of two between 16 and size that the map is asked for, measured on the receivers in sight"}}},
+    {"far-field", "where instanced shadows end and cascaded maps of the far casters begin: metres from the eye to a caster's centre",
+     {{"none", "every caster has a volume"}, {"auto", "where the predicted cost of both together is least"}}, 0, 1000000},
+    {"far-cost", "for far-field auto: what a triangle in the far casters' maps costs, in hundredths of what a pixel of a volume costs", {}, 0, 1000000},
     {"exact-casters", "closed opaque casters of at most so many triangles cast stencil shadow volumes, the others instanced maps", {}, 0, 1000000},
 };
 
@@ -108,20 +111,20 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 }
 
 Settings instancedPreset(const char* own) {
-    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"far-field", "none"}, {"far-cost", "100"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
             {"cull", "frustum"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 
 const std::vector<TechniqueInfo> kTechniques{
     {"bare", "baseline", "every instance drawn in one forward pass, nothing culled, no shadow: the yardstick", {}},
     {"unshadowed", "baseline", "the suite's frame without any shadow pass: what every shadow's cost is added to", withCamera({})},
-    {"uniform", "map", "one map over the whole scene (Williams 1978)", mapPreset("scene", "none", "1", "2048")},
-    {"focused", "map", "one map over view frustum ∩ scene (Brabec, Annen, Seidel 2002)", mapPreset("frustum", "none", "1", "2048")},
+    {"uniform", "map", "one map over the whole scene (Williams 1978)", mapPreset("scene", "none", "1", "2048"), 2},
+    {"focused", "map", "one map over view frustum ∩ scene (Brabec, Annen, Seidel 2002)", mapPreset("frustum", "none", "1", "2048"), 2},
     {"lispsm", "map", "light-space perspective shadow map (Wimmer, Scherzer, Purgathofer 2004)",
-     mapPreset("lispsm", "none", "1", "2048")},
-    {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024")},
-    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 3},
-    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 3},
+     mapPreset("lispsm", "none", "1", "2048"), 2},
+    {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024"), 2},
+    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 4},
+    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 4},
     {"stencil-volumes", "volume", "shadow volumes of the casters' silhouettes, counted behind the scene (Crow 1977; Everitt & Kilgard 2002)",
      withCamera({{"count", "stencil"}, {"cull", "frustum"}})},
 };
@@ -155,11 +158,11 @@ std::string Axis::canonical(const std::string& value) const {
             for (const Value& known : values)
                 if (known.name == text) return text;
         }
-        fail(base::unknownName("value", value, names(values)));
+        if (!takesNumbers()) fail(base::unknownName("value", value, names(values)));
     }
     long number = 0;
     const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (error != std::errc{} || end != value.data() + value.size()) fail(fmt::format("'{}' is not a whole number", value));
+    if (error != std::errc{} || end != value.data() + value.size()) fail(fmt::format("'{}' is {} a whole number", value, values.empty() ? "not" : fmt::format("neither {} nor", fmt::join(names(values), ", "))));
     if (number < lo || number > hi) fail(fmt::format("{} is outside {} … {}", number, lo, hi));
     return std::to_string(number);
 }
@@ -228,9 +231,15 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         const bool volumes = !is("apply", "tiled") && !is("apply", "all");
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
         if (!volumes && is("cull", "mask")) return "the mask is for volumes";
+        if (is("apply", "skip") && facts.rotated && !is("mode", "exact"))
+            return "outside a caster's volume a map of another rotation may darken pixels, so apply skip goes with mode exact or casters that nobody turned";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
         if (number("exact-casters") > 0 && !volumes) return "exact casters darken an image that volumes go on darkening: apply zpass, zfail or skip";
         if (number("exact-casters") > 0 && is("accumulate", "stencil")) return "exact casters are counted in the stencil: accumulate min or multiply";
+        if (!is("far-field", "none") && !volumes) return "volumes go on darkening what the far casters' maps have: apply zpass, zfail or skip";
+        if (!is("far-field", "none") && is("accumulate", "stencil")) return "a stencil bit does not know what is dark in the far casters' maps: accumulate min or multiply";
+        if (!is("far-field", "none") && facts.translucent) return "the far casters' maps take translucent casters for opaque: far-field none";
+        if (!is("far-field", "auto") && differs("far-cost")) return "only far-field auto predicts costs";
         if (is("resolution", "estimate") && (number("size") < 16 || !std::has_single_bit(unsigned(number("size")))))
             return "estimated sides are powers of two from 16 to size: size must be one";
         if (facts.translucent && is("accumulate", "min")) return "the darkest of several shadows is not what translucent casters let through: accumulate multiply";

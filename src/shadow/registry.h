@@ -13,7 +13,7 @@ namespace dapple::shadow {
 /// Axis name → value as text, in canonical form (as the axis writes it). Ordered, so that it hashes.
 using Settings = std::map<std::string, std::string>;
 
-/// One independent choice. Either a list of named values, or a whole number in [lo, hi].
+/// One independent choice: a list of named values, a whole number in [lo, hi], or either.
 struct Axis {
     struct Value {
         std::string name, description;
@@ -21,7 +21,9 @@ struct Axis {
     std::string name;
     std::string description;      ///< with the unit where it has one
     std::vector<Value> values;    ///< empty: a whole number
-    long lo = 0, hi = 0;
+    long lo = 0, hi = 0;          ///< equal: a named value
+
+    bool takesNumbers() const { return lo < hi; }
 
     /// Canonical text of a value. Throws UsageError: unknown value (with the nearest) or out of range.
     std::string canonical(const std::string& value) const;

@@ -37,9 +37,10 @@ public:
     virtual std::vector<LightMatrix> matrices() const { return {}; }
     /// The shadow map or the array of maps; nullptr where there is none.
     virtual const gl::Texture* map() const { return nullptr; }
-    /// Texels of map() that a look-up can reach now.
-    virtual size_t texelsInUse() const { return map() ? size_t(map()->width()) * size_t(map()->height()) * size_t(std::max(map()->layers(), 1)) : 0; }
-    size_t mapBytes() const { return map() ? map()->bytes() : 0; }
+    /// Texels of all its maps, and those of them that a look-up can reach now.
+    virtual size_t texels() const { return map() ? size_t(map()->width()) * size_t(map()->height()) * size_t(std::max(map()->layers(), 1)) : 0; }
+    virtual size_t texelsInUse() const { return texels(); }
+    virtual size_t mapBytes() const { return map() ? map()->bytes() : 0; }
     /// Renders what is kept from frame to frame for the frame's present sun and scene, outside of any frame.
     virtual void refresh() {}
     /// How far what is kept was behind them in the frame last rendered; empty where nothing is kept.

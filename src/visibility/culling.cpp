@@ -8,11 +8,13 @@ constexpr uint64_t kLeaf = 10'000;
 
 }  // namespace
 
-ListCulling::ListCulling(const gpuscene::Items& items, bool castersOnly) : items_(items), hierarchy_(items.hierarchy(kLeaf, castersOnly)) {}
+ListCulling::ListCulling(const gpuscene::Items& items, bool castersOnly, std::function<bool(uint32_t)> keep)
+    : items_(items), hierarchy_(items.hierarchy(kLeaf, castersOnly)), keep_(std::move(keep)) {}
 
 void ListCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
     std::vector<uint32_t> chosen;
     hierarchy_.selectItems([&](const base::Box& box) { return frame.view.mayContain(frame.view.relative(box)); }, chosen);
+    if (keep_) std::erase_if(chosen, [&](uint32_t item) { return !keep_(items_[item].instance); });
     items_.collect(frame.view.eye, chosen, list_);
     submit(list_);
 }

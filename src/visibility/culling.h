@@ -32,10 +32,11 @@ public:
     virtual std::optional<Statistics> statistics() const { return std::nullopt; }
 };
 
-/// Lists on the CPU whatever is not outside a plane of the view: everything, where it has none.
+/// Lists on the CPU whatever is not outside a plane of the view: everything, where it has none. `keep`, if given, is asked of the
+/// instances in every frame, by index.
 class ListCulling final : public Culling {
 public:
-    ListCulling(const gpuscene::Items& items, bool castersOnly);
+    ListCulling(const gpuscene::Items& items, bool castersOnly, std::function<bool(uint32_t instance)> keep = {});
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
     gpuscene::ItemCount drawn() const override { return items_.count(list_.items); }
     void redraw(const glm::dvec3&, const gpuscene::Submit& submit) override { submit(list_); }
@@ -43,6 +44,7 @@ public:
 private:
     const gpuscene::Items& items_;
     const gpuscene::Hierarchy& hierarchy_;
+    std::function<bool(uint32_t)> keep_;
     gpuscene::DrawList list_;
 };
 

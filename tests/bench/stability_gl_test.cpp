@@ -271,28 +271,17 @@ TEST(Instanced, OnAMapsAngleModesAndFramesAgree) {
             EXPECT_EQ(render(spec("box", "instanced", {{"mode", mode}, {"sample-frame", sampleFrame}})).visibility, nearest.visibility) << mode << sampleFrame;
 }
 
-// However pixels and casters find each other, and however their shadows add up, the visibility image is the same.
-TEST(Instanced, EveryWayToApplyTheMapsGivesTheSamePixels) {
-    const shadow::Settings ways[] = {{{"apply", "zfail"}}, {{"apply", "skip"}}, {{"apply", "tiled"}}, {{"apply", "all"}},
-                                     {{"accumulate", "multiply"}}, {{"accumulate", "stencil"}}, {{"cull", "mask"}, {"apply", "zfail"}}, {{"cull", "mask"}, {"apply", "skip"}}, {{"cull", "mask"}}};
-    for (const char* stress : {"", "sun-1deg", "sun-zenith", "duelling", "depth-range"})
-        for (const char* mode : {"nearest", "depth"}) {
-            const Rendered base = render(spec("forest-small", "instanced", {{"mode", mode}}, stress));
-            size_t dark = 0;
-            for (size_t i = 0; i < base.visibility.size(); ++i) dark += base.visibility[i] == 0 && base.validity[i];
-            EXPECT_TRUE(dark > 500 || *stress != 0);
-            for (shadow::Settings way : ways) {
-                std::string name = std::string(stress) + " " + mode;
-                for (const auto& [axis, value] : way) name += " " + axis + "=" + value;
-                SCOPED_TRACE(name);
-                way["mode"] = mode;
-                const Rendered other = render(spec("forest-small", "instanced", way, stress));
-                size_t different = 0;
-                for (size_t i = 0; i < base.visibility.size(); ++i) different += base.visibility[i] != other.visibility[i];
-                EXPECT_EQ(different, 0u);
-                EXPECT_EQ(other.validity, base.validity);
-            }
+// However pixels and casters find each other, the visibility image is the same (tests/shadow/apply_gl_test.cpp: in every product).
+TEST(Instanced, StiffCasesAreTheSamePixelsInEveryWayToApplyTheMaps) {
+    for (const char* stress : {"sun-1deg", "sun-zenith", "duelling", "depth-range"}) {
+        const Rendered base = render(spec("forest-small", "instanced", {}, stress));
+        for (shadow::Settings way : {shadow::Settings{{"apply", "zfail"}}, {{"apply", "tiled"}}, {{"apply", "all"}}, {{"cull", "mask"}, {"apply", "zfail"}}, {{"cull", "mask"}}}) {
+            SCOPED_TRACE(stress);
+            const Rendered other = render(spec("forest-small", "instanced", way, stress));
+            EXPECT_EQ(base.visibility, other.visibility);
+            EXPECT_EQ(base.validity, other.validity);
         }
+    }
 }
 
 // Oracle: a map per instance at its own rotation. At a map's own angle every sample frame is that map's, and modes agree.

@@ -71,6 +71,34 @@ TEST_P(CasterCullTest, KeepsEveryCasterThatMattersAndFewOthers) {
     }
 }
 
+// Oracle: the loop over all boxes, at an eye far from the origin too, where a box rounds as the one that encloses it does not.
+TEST_P(CasterCullTest, AHierarchyKeepsWhatALoopKeeps) {
+    const glm::dvec3 l = glm::normalize(GetParam());
+    base::Random random(5, 0, 0);
+    std::vector<base::Box> boxes;
+    for (int i = 0; i < 4000; ++i) {
+        const glm::vec3 centre(std::round(random.next(-90, 90)), std::round(random.next(-90, 90)), random.next(0, 9)), half(random.next(0, 2));
+        boxes.push_back(i % 50 == 0 ? base::Box{} : base::Box{centre - half, centre + half});
+    }
+    const std::vector<uint32_t> triangles(boxes.size(), 1000);
+    for (const glm::dvec3 eye : {glm::dvec3(0), glm::dvec3(17.3, -40, 3), glm::dvec3(1e6 / 3, 0, 1)})
+        for (const glm::dvec3 forward : {glm::dvec3(0.2, 1, -0.1), glm::dvec3(-0.3, -0.2, -1)}) {
+            std::vector<base::Box> moved = boxes;
+            if (eye.x > 1e5)
+                for (base::Box& box : moved)
+                    if (!box.empty()) box.lo += glm::vec3(eye), box.hi += glm::vec3(eye);
+            const gpuscene::Hierarchy hierarchy(moved, triangles, {});
+            const frame::Camera camera = cameraAlong(forward);
+            const CasterCull cull(lightBasis(l, camera.forward), camera, viewBody(camera, camera.near, camera.far, kWorld), 0.5);
+            std::vector<uint32_t> expected;
+            for (uint32_t i = 0; i < moved.size(); ++i)
+                if (!moved[i].empty() && cull.keep({glm::dvec3(moved[i].lo) - eye, glm::dvec3(moved[i].hi) - eye})) expected.push_back(i);
+            EXPECT_EQ(cull.kept(hierarchy, moved, eye), expected);
+            EXPECT_GT(expected.size(), 0u);
+            EXPECT_LT(expected.size(), 3000u);
+        }
+}
+
 TEST(CasterCull, TheMarginReachesFurther) {
     const frame::Camera camera = cameraAlong({0, 1, 0});
     const LightBasis basis = lightBasis({0, 0, -1}, camera.forward);

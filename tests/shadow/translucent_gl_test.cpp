@@ -155,6 +155,65 @@ TEST_F(Translucent, OpaqueCastersAmongThemStayOpaque) {
     EXPECT_EQ(counts.size(), 3u);
 }
 
+/// Of the two boxes' scene, sheets of 3 × 3 m in the boxes' place, one turned, whose texture of 4 × 4 texels has holes.
+scenegen::Scene twoSheets() {
+    scenegen::Scene scene = twoBoxes(kFirst, kSecond);
+    scenegen::Texture texture{"holes", base::Image8{4, 4, 4, std::vector<uint8_t>(64)}};
+    for (int i = 0; i < 16; ++i)
+        for (int channel = 0; channel < 4; ++channel) texture.image.texels[size_t(4 * i + channel)] = channel < 3 || (i * 7 + i / 4) % 3 != 0 ? 255 : 0;
+    scene.textures.push_back(texture);
+    scene.materials.push_back({.name = "holes", .texture = 0, .alphaTested = true});
+    scenegen::Mesh sheet;
+    sheet.positions = {{-1.5f, -1.5f, 0}, {1.5f, -1.5f, 0}, {1.5f, 1.5f, 0}, {-1.5f, 1.5f, 0}};
+    sheet.normals.assign(4, {0, 0, 1});
+    sheet.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    sheet.indices = {0, 1, 2, 0, 2, 3};
+    sheet.material = 1;
+    for (const size_t i : {1, 2}) scene.prototypes[i].meshes = {sheet}, scene.prototypes[i].closed = false;
+    scene.instances[2].yaw = 0.5f;
+    return scene;
+}
+
+// Where a texel is a hole a translucent caster lets all light through, where it is none its share, in maps as in the truth.
+TEST_F(Translucent, HolesOfAlphaTestedCastersLetAllLightThrough) {
+    const scenegen::Scene scene = twoSheets();
+    EXPECT_TRUE(scene.facts().alphaTested && scene.facts().translucent);
+    const gpuscene::GpuScene gpu(scene);
+    frame::Frame frame(gpu, scene.views[0], 240, 180);
+    Renderer renderer(frame, technique("instanced"), resolve(technique("instanced"), {{"accumulate", "multiply"}, {"mode", "exact"}, {"size", "1024"}}));
+    renderer.render(silent_);
+    const std::vector<float> visibility = renderer.visibility();
+    const truth::Receivers receivers = frame.readReceivers();
+    const truth::Reference reference = truth::Tracer(scene).trace(receivers, frame.camera().eye, frame.light());
+    std::map<float, size_t> counts;
+    size_t holes = 0;
+    for (size_t pixel = 0; pixel < receivers.present.size(); ++pixel) {
+        const glm::dvec3 p = glm::dvec3(receivers.position[pixel]) + frame.camera().eye;
+        if (!receivers.present[pixel] || std::abs(p.z) > 1e-3) continue;
+        float share = 1;
+        bool edge = false, hole = false;
+        for (const size_t i : {1, 2}) {
+            const scenegen::Instance& sheet = scene.instances[i];
+            const glm::dvec3 toSun = -scene.sun.direction(), at = p + toSun * ((double(sheet.translation.z) - p.z) / toSun.z) - glm::dvec3(sheet.translation);
+            const double c = std::cos(double(sheet.yaw)), s = std::sin(double(sheet.yaw));
+            const glm::dvec2 texel = (glm::dvec2(c * at.x + s * at.y, c * at.y - s * at.x) + 1.5) / 0.75;
+            for (int k = 0; k < 2; ++k) edge |= std::abs(texel[k] - std::round(texel[k])) < 0.08;
+            if (texel.x < 0 || texel.y < 0 || texel.x >= 4 || texel.y >= 4) continue;
+            const bool opaque = scene.textures[0].image.texels[4 * size_t(int(texel.y) * 4 + int(texel.x)) + 3] != 0;
+            hole |= !opaque;
+            if (opaque) share *= scene.prototypes[sheet.prototype].transmittance;
+        }
+        if (edge) continue;
+        ++counts[share];
+        holes += hole;
+        ASSERT_EQ(reference.transmitted[pixel], share) << pixel;
+        ASSERT_NEAR(visibility[pixel], share, 1e-3) << pixel;
+    }
+    EXPECT_EQ(counts.size(), 4u);  // 1, t1, t2, t1 t2
+    for (const auto& [share, n] : counts) EXPECT_GT(n, 80u) << share;
+    EXPECT_GT(holes, 200u);
+}
+
 TEST(TranslucentScenes, RecipesFilesAndValidationKnowTransmittance) {
     const scenegen::Scene scene = scenegen::loadScene("box", {"primitive.0.transmittance=0.25"});
     EXPECT_TRUE(scene.facts().translucent);

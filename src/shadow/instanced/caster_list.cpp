@@ -1,5 +1,6 @@
 #include "shadow/instanced/caster_list.h"
 
+#include "shadow/instanced/far_field.h"
 #include "shadow/map/caster_cull.h"
 
 #include <algorithm>
@@ -8,6 +9,8 @@
 
 namespace dapple::shadow {
 namespace {
+
+constexpr uint64_t kLeafTriangles = 10'000;  ///< of the hierarchy: some trees
 
 struct GpuCasterType {
     glm::vec4 centre, half;  ///< of the box; centre.w: metres that its maps' shadows may stray from its volume, half.w: κ²
@@ -110,23 +113,24 @@ double CasterList::strayOf(const CasterType& type) const {
     return most;
 }
 
-void CasterList::collect() {
+void CasterList::collect(FarField* far) {
     sunTurn_ = maps_.sunTurn();
     std::vector<float> strays;
     for (const CasterType& type : maps_.types()) strays.push_back(float(strayOf(type)));
     const bool strayed = strays != strays_;
     strays_ = std::move(strays);
     if (strayed || mapsVersion_ != maps_.version()) uploadTypes();
-    const gpuscene::GpuScene& scene = frame_.scene();
     const frame::Camera& camera = frame_.camera();
     const base::DBox sceneBox = frame_.relativeSceneBox();
     const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
     extrusion_ = extrusionFor(sceneBox, frame_.light());
     const double stray = strays_.empty() ? 0 : double(std::ranges::max(strays_));
     const CasterCull cull(lightBasis(frame_.light(), {0, 0, 1}), camera, body, 1e-3 * glm::length(sceneBox.size()) + stray);
+    instances_ = cull.kept(frame_.scene().hierarchy(kLeafTriangles, true), frame_.scene().instanceBoxes(), camera.eye);
+    std::erase_if(instances_, [&](uint32_t i) { return maps_.typeOf(i) < 0; });
+    if (far) far->takeFar(instances_, extrusion_);
     casters_.clear();
-    for (uint32_t i = 0; i < scene.instanceBoxes().size(); ++i)
-        if (maps_.typeOf(i) >= 0 && cull.keep(frame_.relativeBox(i))) casters_.push_back(casterOf(i));
+    for (const uint32_t i : instances_) casters_.push_back(casterOf(i));
     const auto about = std::stable_partition(casters_.begin(), casters_.end(), [&](const GpuCaster& c) { return !holdsEye(c); });
     notAboutEye_ = size_t(about - casters_.begin());
     casterBuffer_.update(casters_.size() * sizeof(GpuCaster), casters_.data());

@@ -5,13 +5,15 @@
 
 namespace dapple::shadow {
 
+class FarField;
+
 /// The instances whose shadow volumes can meet a receiver in view, with their maps, on the GPU (lib/instanced.glsl).
 class CasterList {
 public:
     CasterList(const frame::Frame& frame, const CasterMaps& maps) : frame_(frame), maps_(maps) {}
 
-    /// Anew for the frame's present view.
-    void collect();
+    /// Anew for the frame's present view; without those that `far` takes.
+    void collect(FarField* far = nullptr);
     /// Binds casters, types and maps to storage buffers 1, 2 and 3.
     void bind() const;
 
@@ -43,7 +45,8 @@ private:
     const CasterMaps& maps_;
     double sunTurn_ = 0;
     std::vector<float> strays_;  ///< by type: metres by which shadows of maps of an earlier sun may leave the present one's volume
-    std::vector<GpuCaster> casters_;
+    std::vector<uint32_t> instances_;  ///< by index
+    std::vector<GpuCaster> casters_;   ///< of them, in another order
     size_t notAboutEye_ = 0;
     Extrusion extrusion_;
     int mapsVersion_ = -1;  ///< that types and maps on the GPU have

@@ -3,6 +3,7 @@
 #include "shadow/families.h"
 
 #include "shadow/instanced/caster_list.h"
+#include "shadow/instanced/far_field.h"
 #include "shadow/instanced/resolution.h"
 #include "shadow/instanced/volume.h"
 #include "shadow/lit_start.h"
@@ -26,6 +27,7 @@ public:
         if (!is("exact-casters", "0"))
             exact_.emplace(frame, [this](const scenegen::Prototype& p) { return castsExactly(frame_.scene().scene(), p, settings_); },
                            SilhouetteVolumes::Count::stencil, true, start_.depth());
+        if (!is("far-field", "none")) far_.emplace(frame, maps_, settings);
         const gl::Texture* visibility[] = {&frame_.visibility()};
         volumeTarget_ = gl::makeFramebuffer(visibility, ownDepth_ ? &start_.depth() : &frame_.depth());
         refresh();
@@ -54,11 +56,18 @@ public:
     std::vector<frame::Pass> passes() override {
         using measure::Ledger;
         maps_.choose();
-        std::string mapsLeftOut, leftOut;
+        std::string mapsLeftOut, leftOut, farLeftOut;
         const bool exact = exact_ && !exact_->empty();
         if (maps_.types().empty()) mapsLeftOut = leftOut = exact ? "every caster casts exactly" : "the scene has no caster";
         else if (!maps_.outdated() && !chooser_) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes;
+        if (far_) {
+            casters_.collect(&*far_);
+            if (!leftOut.empty()) farLeftOut = leftOut;
+            else if (!far_->any()) farLeftOut = is("far-field", "auto") ? "every caster is cheaper as a volume" : "no caster is so far";
+            splits_ = farLeftOut.empty();
+            passes.push_back({"far", {}, {}, "casters without volumes, those far from the eye", farLeftOut, [this](Ledger&) { casters_.collect(&*far_); }});
+        }
         if (maps_.maps().size() == maps_.types().size() && !is("rotations", "1"))
             passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
         if (chooser_)
@@ -76,6 +85,12 @@ public:
         } else {
             passes.push_back({"begin", {"gbuffer", "depth"}, {"visibility", "depth-copy"}, "lit where the surface faces the sun; depth to read", "",
                               [this](Ledger& tally) { start_.record(tally); }});
+            if (far_)
+                for (frame::Pass& pass : far_->technique().passes()) {
+                    pass.name = "far." + pass.name;
+                    if (!farLeftOut.empty()) pass.leftOut = farLeftOut;
+                    passes.push_back(std::move(pass));
+                }
             if (exact_) {
                 const std::string none = exact ? "" : "no caster is closed and has so few triangles";
                 passes.push_back({"exact.count", {"depth-copy"}, {"count"}, "shadow volumes of the exact casters that begin and end behind each pixel", none,
@@ -92,11 +107,18 @@ public:
         return passes;
     }
 
-    std::vector<LightMatrix> matrices() const override { return maps_.matrices(); }
+    std::vector<LightMatrix> matrices() const override {
+        std::vector<LightMatrix> all = maps_.matrices();
+        if (splits_)
+            for (const LightMatrix& m : far_->technique().matrices()) all.push_back({"far." + m.name, m.clipFromRelative});
+        return all;
+    }
     std::optional<Staleness> staleness() const override { return maps_.staleness(casters_.mapsInUse()); }
     const gl::Texture* map() const override { return maps_.types().empty() ? nullptr : &maps_.atlas().texture(); }
 
-    size_t texelsInUse() const override { return maps_.atlas().texelsInUse(); }
+    size_t texels() const override { return Technique::texels() + (far_ ? far_->technique().texels() : 0); }
+    size_t texelsInUse() const override { return maps_.atlas().texelsInUse() + (splits_ ? far_->technique().texelsInUse() : 0); }
+    size_t mapBytes() const override { return Technique::mapBytes() + (far_ ? far_->technique().mapBytes() : 0); }
 
     bool countOverdraw() override { return countVolumes(count_, &frame_.depth()); }
     // Each volume is convex, so without a depth test it has one fragment per pixel, and membership alone decides.
@@ -105,6 +127,10 @@ public:
 private:
     bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
     bool masked() const { return is("cull", "mask"); }
+    /// The casters that have volumes; with a far field the frame's first pass has chosen them.
+    void collect() {
+        if (!splits_) casters_.collect();
+    }
     /// Casters, first in the list, whose front faces do.
     size_t notAboutEye() const { return is("apply", "zpass") ? casters_.notAboutEye() : 0; }
 
@@ -176,7 +202,7 @@ private:
 
     void estimate(measure::Ledger& tally) {
         gl::finishTriangles();
-        casters_.collect();
+        collect();
         demand_->record(maps_.maps().size(), [this](const gl::Program& program) {
             program.set("uPadTexels", float(maps_.padTexels()));
             bind(program);
@@ -206,7 +232,7 @@ private:
     void mask(measure::Ledger& tally) {
         gl::finishTriangles();
         const auto& camera = frame_.camera();
-        casters_.collect();
+        collect();
         const auto across = GLuint(camera.width + kReceiverTile - 1) / kReceiverTile, down = GLuint(camera.height + kReceiverTile - 1) / kReceiverTile;
         const GLuint commands[8] = {72, 0, 0, 0, 72, 0, 0, 0};
         commands_.update(sizeof commands, commands);
@@ -245,7 +271,7 @@ private:
     }
 
     void submitVolumes(const gl::Program& program, measure::Ledger& tally) {
-        if (!masked()) casters_.collect();  // else the mask has, and its survivors index that list
+        if (!masked()) collect();  // else the mask has, and its survivors index that list
         glViewport(0, 0, frame_.camera().width, frame_.camera().height);
         glEnable(GL_DEPTH_TEST);
         glDepthMask(GL_FALSE);
@@ -284,6 +310,8 @@ private:
     CasterList casters_;
     std::optional<SizeChooser> chooser_;      ///< with `resolution` estimate
     std::optional<DemandEstimate> demand_;
+    std::optional<FarField> far_;             ///< with `far-field`
+    bool splits_ = false;                     ///< some casters are far, as planned
     bool ownDepth_;  ///< volumes are tested against a copy that has a stencil, and read the frame's
     LitStart start_;
     std::optional<SilhouetteVolumes> exact_;  ///< with `exact-casters`

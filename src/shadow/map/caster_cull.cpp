@@ -3,9 +3,7 @@
 #include <algorithm>
 
 namespace dapple::shadow {
-namespace {
 
-/// Convex hull, counter-clockwise: monotone chain (Andrew 1979).
 std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points) {
     std::vector<glm::dvec2> hull;
     std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -24,8 +22,6 @@ std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points) {
     }
     return hull;
 }
-
-}  // namespace
 
 CasterCull::CasterCull(const LightBasis& basis, const frame::Camera& camera, const std::vector<glm::dvec3>& body, double margin) {
     double extent = 0;
@@ -67,6 +63,23 @@ bool CasterCull::keep(const base::DBox& box) const {
 
 void CasterCull::appendPlanes(std::vector<glm::dvec4>& planes) const {
     for (const Side& side : sides_) planes.emplace_back(-side.outward, side.limit);
+}
+
+std::vector<uint32_t> CasterCull::kept(const gpuscene::Hierarchy& hierarchy, std::span<const base::Box> boxes, const glm::dvec3& eye) const {
+    const auto relative = [&](const base::Box& box) { return base::DBox{glm::dvec3(box.lo) - eye, glm::dvec3(box.hi) - eye}; };
+    std::vector<uint32_t> result, nodes;
+    hierarchy.select([&](const base::Box& nodeBox) {
+        base::DBox box = relative(nodeBox);
+        const double slack = 1e-12 * (glm::length(box.lo) + glm::length(box.hi));  // what the test of a box within may round otherwise
+        box.lo -= slack;
+        box.hi += slack;
+        return keep(box);
+    }, 1, nodes);
+    for (const uint32_t n : nodes)
+        for (const uint32_t i : hierarchy.items(n))
+            if (!boxes[i].empty() && keep(relative(boxes[i]))) result.push_back(i);
+    std::ranges::sort(result);
+    return result;
 }
 
 }  // namespace dapple::shadow

@@ -1,8 +1,12 @@
 #pragma once
 
+#include "gpuscene/hierarchy.h"
 #include "shadow/map/fit.h"
 
 namespace dapple::shadow {
+
+/// Convex hull, counter-clockwise: monotone chain (Andrew 1979).
+std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points);
 
 /// Which casters can darken a body of receivers: a box swept along the light must meet it. Separating axes that the
 /// sweep cannot cross: those of the two silhouettes seen from the sun, which is exact there, and the faces of the body
@@ -14,6 +18,9 @@ public:
     bool keep(const base::DBox& relativeBox) const;
     /// Appends planes as visibility::CullView has them: what they leave out cannot reach the body.
     void appendPlanes(std::vector<glm::dvec4>& planes) const;
+    /// The items of a hierarchy whose boxes it keeps, sorted; whole subtrees at a time are not. `boxes`: by item, as the hierarchy
+    /// has them, metres from Scene::origin, as `eye` is.
+    std::vector<uint32_t> kept(const gpuscene::Hierarchy& hierarchy, std::span<const base::Box> boxes, const glm::dvec3& eye) const;
 
 private:
     /// A box whose every point has dot(outward, p) > limit cannot reach the body.

@@ -25,7 +25,7 @@ constexpr uint64_t kBoundsLeaf = 10'000;
 
 class MapTechnique final : public Technique {
 public:
-    MapTechnique(frame::Frame& frame, const Settings& settings)
+    MapTechnique(frame::Frame& frame, const Settings& settings, const std::function<bool(uint32_t)>& casts)
         : frame_(frame), settings_(settings), items_(cullItems(frame.scene(), settings)), size_(std::stoi(settings.at("size"))), layers_(std::stoi(settings.at("cascades"))),
           kind_(settings.at("fit") == "scene" ? FitKind::scene : settings.at("fit") == "lispsm" ? FitKind::lispsm : FitKind::frustum),
           cascades_(size_t(layers_)) {
@@ -50,6 +50,7 @@ public:
             Cascade& c = cascades_[size_t(i)];
             c.layer = map_.view(i);
             if (pyramid_) c.culling = std::make_unique<visibility::PyramidCulling>(items_, *pyramid_, i);
+            else if (casts) c.culling = std::make_unique<visibility::ListCulling>(items_, true, casts);
             else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true);
         }
         if (is("cull", "receivers")) mask_.emplace(frame, items_, settings, map_, defines);
@@ -318,8 +319,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings) {
-    return std::make_unique<MapTechnique>(frame, settings);
+std::unique_ptr<Technique> makeMap(frame::Frame& frame, const Settings& settings, const std::function<bool(uint32_t)>& casts) {
+    return std::make_unique<MapTechnique>(frame, settings, casts);
 }
 
 }  // namespace dapple::shadow
