@@ -64,19 +64,9 @@ struct DrawList {
     std::vector<Range> ranges;
     gl::Buffer buffer;    ///< reused from frame to frame
     gl::Buffer commands;  ///< of a list that was filled on the GPU: IndirectCommand
+    gl::Buffer places;    ///< of such a list: uint32_t, places in the table, parallel to `buffer`
 
     void upload() { buffer.update(data.size() * sizeof(InstanceData), data.data()); }
-};
-
-/// How much was drawn.
-struct ItemCount {
-    size_t items = 0, triangles = 0;
-
-    ItemCount& operator+=(const ItemCount& other) {
-        items += other.items;
-        triangles += other.triangles;
-        return *this;
-    }
 };
 
 /// Draws a list with what the caller has: his programs, target and state. Culling calls it, once or several times a frame.
@@ -99,7 +89,6 @@ public:
     const Item& operator[](uint32_t item) const { return items_[item]; }
     const Part& part(uint32_t item) const { return parts_[items_[item].part]; }
     const scenegen::Instance& instance(uint32_t item) const { return scene_->instances[items_[item].instance]; }
-    ItemCount count(std::span<const uint32_t> items) const;
     /// By item; metres from Scene::origin.
     std::span<const base::Box> boxes() const { return boxes_; }
 

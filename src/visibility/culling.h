@@ -24,8 +24,8 @@ public:
     virtual ~Culling() = default;
     /// Calls `submit` once or several times, with what it is to draw into what is bound.
     virtual void draw(const ViewFrame& frame, const gpuscene::Submit& submit) = 0;
-    /// By the last draw(). May wait for the GPU.
-    virtual gpuscene::ItemCount drawn() const = 0;
+    /// Items that the last draw() has drawn. May wait for the GPU.
+    virtual std::vector<uint32_t> drawn() const = 0;
     /// Of its occlusion queries in the last draw(); empty where it asks none.
     virtual std::optional<Statistics> statistics() const { return std::nullopt; }
 };
@@ -35,7 +35,7 @@ class ListCulling final : public Culling {
 public:
     ListCulling(const gpuscene::Items& items, bool castersOnly);
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
-    gpuscene::ItemCount drawn() const override { return items_.count(list_.items); }
+    std::vector<uint32_t> drawn() const override { return list_.items; }
 
 private:
     const gpuscene::Items& items_;

@@ -16,7 +16,7 @@ public:
     QueryCulling(const gpuscene::Items& items, const Options& options);
 
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
-    gpuscene::ItemCount drawn() const override { return items_.count(drawn_); }
+    std::vector<uint32_t> drawn() const override { return drawn_; }
     std::optional<Statistics> statistics() const override { return culler_.statistics(); }
 
 private:

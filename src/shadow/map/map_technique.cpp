@@ -13,6 +13,7 @@
 #include <array>
 #include <numbers>
 #include <optional>
+#include <set>
 
 namespace dapple::shadow {
 namespace {
@@ -93,13 +94,19 @@ public:
     }
 
     std::optional<Casters> castersDrawn() const override {
-        gpuscene::ItemCount sum;
+        Casters sum;
         for (const Cascade& c : cascades_) {
             if (!needed(c).empty()) continue;
-            sum += items_.count(c.receivers.items);  // with a mask: drawn before
-            sum += c.culling->drawn();
+            std::vector<uint32_t> items = c.culling->drawn();
+            items.insert(items.end(), c.receivers.items.begin(), c.receivers.items.end());  // with a mask: drawn before
+            std::set<uint32_t> instances;  // an instance may have been drawn in clusters
+            for (const uint32_t i : items) {
+                instances.insert(items_[i].instance);
+                sum.triangles += items_.part(i).triangles;
+            }
+            sum.instances += instances.size();
         }
-        return Casters{sum.items, sum.triangles};
+        return sum;
     }
 
     std::vector<std::pair<std::string, visibility::Statistics>> queryStatistics() const override {
