@@ -210,6 +210,7 @@ private:
         Cascade& c = cascades_[size_t(index)];
         std::vector<uint32_t> casting, others;
         frame.drawn = frame_.drawnItems();
+        if (frame.drawn.empty()) frame.view.planes.assign(1, {0, 0, 0, -1e300});  // no receiver: no caster is needed
         for (const uint32_t i : frame.drawn)
             if (!items_.part(i).castsShadow) others.push_back(i);
             else if (reaches.keep(frame.view.relative(items_.boxes()[i]))) casting.push_back(i);
