@@ -40,7 +40,7 @@ std::vector<Part> clusters(const scenegen::Prototype& prototype, const GpuProtot
             for (const uint32_t v : indicesOf(units.back())) boxes.back().extend(meshes[m]->positions[v]);
             weights.push_back(unitIndices(m) / 3);
         }
-    const Hierarchy hierarchy(boxes, weights, {.leafTriangles = triangles});
+    const Hierarchy hierarchy(boxes, weights, {.leafTriangles = triangles, .visitTriangles = 0});
     std::vector<Part> parts;
     for (uint32_t n = 0; n < hierarchy.nodes().size(); ++n) {
         const Hierarchy::Node& node = hierarchy.nodes()[n];

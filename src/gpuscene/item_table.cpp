@@ -6,8 +6,6 @@
 namespace dapple::gpuscene {
 namespace {
 
-/// Triangles in a leaf of the hierarchy that the items are ordered by.
-constexpr uint64_t kTableLeaf = 10'000;
 /// What GL grants a dispatch along one axis.
 constexpr size_t kMostGroups = 65535;
 
@@ -39,7 +37,7 @@ static_assert(sizeof(TableGroup) == 32);
 }  // namespace
 
 ItemTable::ItemTable(const Items& items, bool castersOnly)
-    : items_(items), hierarchy_(items.hierarchy(kTableLeaf, castersOnly)), order_(hierarchy_.items()), rangeOf_(items.parts().size(), Hierarchy::kNone) {
+    : items_(items), hierarchy_(items.hierarchy(Items::kLeafTriangles, castersOnly)), order_(hierarchy_.items()), rangeOf_(items.parts().size(), Hierarchy::kNone) {
     std::vector<uint32_t> uses(items.parts().size(), 0);
     for (const uint32_t item : order_) ++uses[items[item].part];
     std::vector<TablePart> parts;

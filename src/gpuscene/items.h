@@ -81,6 +81,10 @@ public:
     struct Item {
         uint32_t instance, part;
     };
+    /// Triangles in a leaf of the hierarchy that serves whoever does not ask for another: fewer cost more nodes, more draw what
+    /// is not seen. Frames of city-vienna under CHC++ took 139 ms with 500, 142 with 2,000 and 168 with 10,000.
+    static constexpr uint64_t kLeafTriangles = 2'000;
+
     /// `parts`: in the order of their prototypes. The scene must outlive it.
     Items(const scenegen::Scene& scene, std::vector<Part> parts);
 

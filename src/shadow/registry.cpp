@@ -96,7 +96,7 @@ const std::vector<Axis> kAxes{
 
 /// Beside what the technique itself has.
 Settings withCamera(Settings settings) {
-    settings.merge(Settings{{"camera", "frustum"}, {"cluster", "0"}, {"leaf", "10000"}, {"batch", "50"}, {"assumed-visible", "5"}});
+    settings.merge(Settings{{"camera", "frustum"}, {"cluster", "0"}, {"leaf", "2000"}, {"batch", "50"}, {"assumed-visible", "5"}});
     return settings;
 }
 

@@ -10,7 +10,7 @@ class QueryCulling final : public Culling {
 public:
     struct Options {
         CullSettings settings;
-        uint64_t leafTriangles = 10'000;  ///< of the hierarchy's leaves
+        uint64_t leafTriangles = gpuscene::Items::kLeafTriangles;  ///< of the hierarchy's leaves
         bool castersOnly = false;         ///< leave out what casts no shadow
     };
     QueryCulling(const gpuscene::Items& items, const Options& options);

@@ -76,7 +76,7 @@ inline size_t differences(const std::vector<Walk::Image>& a, const std::vector<W
 /// Methods that must give what cull none gives.
 inline const std::vector<shadow::Settings> kExact{{{"cull", "frustum"}},
                                            {{"cull", "chc"}},
-                                           {{"cull", "chcpp"}, {"leaf", "2000"}, {"batch", "4"}},
+                                           {{"cull", "chcpp"}, {"leaf", "600"}, {"batch", "4"}},
                                            {{"cull", "receivers"}},
                                            {{"cull", "receivers"}, {"camera", "chcpp"}, {"mask-test", "stencil"}},
                                            {{"cull", "receivers"}, {"camera", "chc"}, {"mask", "box"}},

@@ -21,9 +21,6 @@ namespace {
 using gpuscene::Attributes;
 using gpuscene::Bucket;
 
-/// Triangles in a leaf of the hierarchy that bounds the whole scene.
-constexpr uint64_t kBoundsLeaf = 10'000;
-
 class MapTechnique final : public Technique {
 public:
     MapTechnique(frame::Frame& frame, const Settings& settings)
@@ -151,7 +148,7 @@ private:
         const base::DBox sceneBox = frame_.relativeSceneBox();
         base::DBox sceneBounds;
         if (kind_ == FitKind::scene) {  // tighter than the box of everything, which the sun sees askew
-            const gpuscene::Hierarchy& instances = frame_.scene().hierarchy(kBoundsLeaf, false);
+            const gpuscene::Hierarchy& instances = frame_.scene().hierarchy(gpuscene::Items::kLeafTriangles, false);
             const glm::dvec3 axes[] = {basis_.u, basis_.v, basis_.l};
             for (int k = 0; k < 3; ++k) {
                 const double eye = glm::dot(camera.eye, axes[k]);
