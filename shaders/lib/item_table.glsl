@@ -32,6 +32,7 @@ layout(std430, binding = 0) restrict readonly buffer TableItems { TableItem tabl
 layout(std430, binding = 1) restrict readonly buffer TableParts { TablePart tableParts[]; };
 layout(std430, binding = 2) restrict writeonly buffer ListData { InstanceData listData[]; };
 layout(std430, binding = 3) restrict buffer ListCommands { IndirectCommand listCommands[]; };
+layout(std430, binding = 5) restrict writeonly buffer ListPlaces { uint listPlaces[]; };
 layout(std430, binding = 4) restrict readonly buffer TableGroups { TableGroup tableGroups[]; };
 
 uniform dvec3 uEye;  // metres from Scene::origin; subtracted in double, as the CPU does
@@ -54,10 +55,11 @@ vec3 boxCorner(Box b, uint corner) {
     return b.position + b.scale * turned;
 }
 
-void addToList(TablePart p, Box b) {
+void addToList(uint place, TablePart p, Box b) {
     if (p.commands == 0u) return;
     uint slot = atomicAdd(listCommands[p.firstCommand].instances, 1u);
     for (uint m = 1u; m < p.commands; ++m) atomicAdd(listCommands[p.firstCommand + m].instances, 1u);
+    listPlaces[p.firstSlot + slot] = place;
     listData[p.firstSlot + slot] = InstanceData(float[3](b.position.x, b.position.y, b.position.z), b.scale, float[2](b.cosSinYaw.x, b.cosSinYaw.y));
 }
 

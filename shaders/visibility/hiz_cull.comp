@@ -3,7 +3,7 @@
 #include "lib/item_table.glsl"
 #include "lib/clip_bounds.glsl"
 layout(binding = 0) uniform sampler2DArray uFarthest;  // SIGN · depth
-layout(std430, binding = 5) restrict buffer Visible { uint visible[]; };
+layout(std430, binding = 6) restrict buffer Visible { uint visible[]; };
 uniform int uLevels;
 uniform float uCells;
 uniform vec2 uMargin;  // cells
@@ -49,5 +49,5 @@ void main() {
     visible[index] = seen ? 1u : 0u;
     if (before) return;  // drawn in the first phase, if it is in view
 #endif
-    if (seen) addToList(p, box);
+    if (seen) addToList(index, p, box);
 }

@@ -111,5 +111,5 @@ void main() {
     TableItem i = tableItems[g.first + local];
     TablePart p = tableParts[i.part];
     Box box = boxOf(i, p);
-    if (mayDarken(box)) addToList(p, box);
+    if (mayDarken(box)) addToList(g.first + local, p, box);
 }

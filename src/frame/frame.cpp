@@ -18,9 +18,6 @@ glm::dvec3 unpackNormal(uint32_t packed) {
 /// Light of the sky: whole while the sun is up, a twentieth from nautical dusk (12 degrees below the horizon) on.
 float daylight(double elevation) { return float(std::clamp(1 + elevation / 12, 0.05, 1.0)); }
 
-/// Triangles in a leaf of the hierarchy that what is in view is found in.
-constexpr uint64_t kViewLeaf = 10'000;
-
 }  // namespace
 
 std::string ofSun(const std::string& name, size_t sun) { return sun == 0 ? name : name + "." + std::to_string(sun + 1); }
@@ -107,7 +104,7 @@ void Frame::setView(const Programs& programs) const {
 
 void Frame::collectInView() {
     std::vector<uint32_t> inView;
-    scene_->hierarchy(kViewLeaf, false).selectItems([this](const base::Box& box) { return camera_.mayContain(relative(box)); }, inView);
+    scene_->hierarchy(gpuscene::Items::kLeafTriangles, false).selectItems([this](const base::Box& box) { return camera_.mayContain(relative(box)); }, inView);
     scene_->items().collect(camera_.eye, inView, visible_);
 }
 

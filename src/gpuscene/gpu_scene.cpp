@@ -1,5 +1,7 @@
 #include "gpuscene/gpu_scene.h"
 
+#include "gpuscene/clusters.h"
+
 #include <glm/gtc/packing.hpp>
 
 #include <algorithm>
@@ -93,7 +95,7 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
 
     std::vector<Part> parts;
     for (uint32_t p = 0; p < prototypes_.size(); ++p) parts.push_back({p, prototypes_[p].box, prototypes_[p].castsShadow, prototypes_[p].triangles, prototypes_[p].meshes});
-    items_.emplace_back(scene, std::move(parts));
+    items_.try_emplace(0, scene, std::move(parts));
     instancesMoved();
 
     struct Layout {
@@ -132,9 +134,28 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
 }
 
 void GpuScene::instancesMoved() {
-    for (Items& items : items_) items.instancesMoved();
+    for (auto& [cluster, items] : items_) items.instancesMoved();
     box_ = {};
     for (const base::Box& box : instanceBoxes()) box_.extend(box);
+}
+
+const Items& GpuScene::items(uint32_t clusterTriangles) const {
+    const auto large = [&](const GpuPrototype& prototype) { return clusterTriangles > 0 && prototype.triangles > clusterTriangles; };
+    if (std::ranges::none_of(prototypes_, large)) return items_.at(0);
+    if (const auto made = items_.find(clusterTriangles); made != items_.end()) return made->second;
+    std::vector<Part> parts;
+    std::vector<uint8_t> more;
+    const size_t before = (indices_.bytes() + 3) / 4 * 4;
+    for (uint32_t p = 0; p < prototypes_.size(); ++p)
+        if (large(prototypes_[p])) std::ranges::move(clusters(scene_->prototypes[p], prototypes_[p], p, clusterTriangles, before, more), std::back_inserter(parts));
+        else parts.push_back(items_.at(0).parts()[p]);
+    gl::Buffer grown(before + more.size(), nullptr, true);
+    glCopyNamedBufferSubData(indices_.name(), grown.name(), 0, 0, GLsizeiptr(indices_.bytes()));
+    glNamedBufferSubData(grown.name(), GLintptr(before), GLsizeiptr(more.size()), more.data());
+    indices_ = std::move(grown);
+    for (const auto& arrays : arrays_)
+        for (const gl::VertexArray& array : arrays) glVertexArrayElementBuffer(array.name(), indices_.name());
+    return items_.try_emplace(clusterTriangles, *scene_, std::move(parts)).first->second;
 }
 
 size_t GpuScene::bufferBytes() const {

@@ -37,8 +37,9 @@ public:
     /// Boxes of all instances, metres from Scene::origin.
     std::span<const base::Box> instanceBoxes() const { return items().boxes(); }
     const base::Box& box() const { return box_; }  ///< all of them together
-    /// What is drawn or left out as one: instances.
-    const Items& items() const { return items_.front(); }
+    /// What is drawn or left out as one: instances; or clusters, of at most so many triangles, of the prototypes that have
+    /// more, made on first use.
+    const Items& items(uint32_t clusterTriangles = 0) const;
     const Hierarchy& hierarchy(uint64_t leafTriangles, bool castersOnly) const { return items().hierarchy(leafTriangles, castersOnly); }
     size_t bufferBytes() const;
     size_t textureBytes() const;
@@ -65,10 +66,11 @@ private:
     base::Box box_;
     std::vector<gl::Texture> textures_;
     static constexpr size_t kKinds = 3;  // of Packing::Vertices
-    gl::Buffer vertices_[kKinds], uvs_[kKinds], indices_;
+    gl::Buffer vertices_[kKinds], uvs_[kKinds];
+    mutable gl::Buffer indices_;  // grows with clusters
     gl::VertexArray arrays_[kKinds][4];  // by Attributes
     gl::Sampler colourSampler_, alphaSampler_;
-    std::vector<Items> items_;
+    mutable std::map<uint32_t, Items> items_;  // by a cluster's triangles
     bool hasOpaque_ = false, hasAlpha_ = false, hasOpaqueTextures_ = false;
 };
 

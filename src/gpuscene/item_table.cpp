@@ -6,8 +6,6 @@
 namespace dapple::gpuscene {
 namespace {
 
-/// Triangles in a leaf of the hierarchy that the items are ordered by.
-constexpr uint64_t kTableLeaf = 10'000;
 /// What GL grants a dispatch along one axis.
 constexpr size_t kMostGroups = 65535;
 
@@ -39,7 +37,7 @@ static_assert(sizeof(TableGroup) == 32);
 }  // namespace
 
 ItemTable::ItemTable(const Items& items, bool castersOnly)
-    : items_(items), hierarchy_(items.hierarchy(kTableLeaf, castersOnly)), order_(hierarchy_.items()), rangeOf_(items.parts().size(), Hierarchy::kNone) {
+    : items_(items), hierarchy_(items.hierarchy(Items::kLeafTriangles, castersOnly)), order_(hierarchy_.items()), rangeOf_(items.parts().size(), Hierarchy::kNone) {
     std::vector<uint32_t> uses(items.parts().size(), 0);
     for (const uint32_t item : order_) ++uses[items[item].part];
     std::vector<TablePart> parts;
@@ -50,6 +48,7 @@ ItemTable::ItemTable(const Items& items, bool castersOnly)
         firstCommand_.push_back(uint32_t(commands.size()));
         for (const GpuMesh& mesh : part.meshes) commands.push_back({mesh.indexCount, 0, mesh.firstIndex(), mesh.baseVertex, slot});
         parts.push_back({part.box.lo, firstCommand_.back(), part.box.hi, uint32_t(part.meshes.size()), slot, {}});
+        firstSlot_.push_back(slot);
         slot += uses[p];
     }
     commandCount_ = commands.size();
@@ -98,9 +97,10 @@ void ItemTable::choose(const gl::Program& program, const glm::dvec3& eye, const 
     list.ranges = groups.parts;
     if (groups.count == 0) return;
     list.buffer.update(size() * sizeof(InstanceData), nullptr);
+    list.places.update(size() * sizeof(uint32_t), nullptr);
     list.commands.update(commandCount_ * sizeof(IndirectCommand), nullptr);
     glCopyNamedBufferSubData(commands_.name(), list.commands.name(), 0, 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)));
-    const GLuint names[] = {table_.name(), parts_.name(), list.buffer.name(), list.commands.name(), groups.buffer.name()};
+    const GLuint names[] = {table_.name(), parts_.name(), list.buffer.name(), list.commands.name(), groups.buffer.name(), list.places.name()};
     for (GLuint i = 0; i < std::size(names); ++i) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, names[i]);
     program.set("uEye", eye);
     program.set("uGroups", int(groups.count));
@@ -109,17 +109,17 @@ void ItemTable::choose(const gl::Program& program, const glm::dvec3& eye, const 
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-ItemCount ItemTable::read(const DrawList& list) const {
+void ItemTable::read(const DrawList& list, std::vector<uint32_t>& items) const {
+    if (list.ranges.empty()) return;
     std::vector<IndirectCommand> commands(commandCount_);
+    std::vector<uint32_t> places(size());
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    if (commandCount_ > 0) glGetNamedBufferSubData(list.commands.name(), 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)), commands.data());
-    ItemCount drawn;
+    glGetNamedBufferSubData(list.commands.name(), 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)), commands.data());
+    glGetNamedBufferSubData(list.places.name(), 0, GLsizeiptr(places.size() * sizeof(uint32_t)), places.data());
     for (const DrawList::Range& range : list.ranges) {
-        const Part& part = items_.parts()[range.part];
-        const size_t count = part.meshes.empty() ? 0 : commands[range.first].instances;
-        drawn += {count, count * part.triangles};
+        const uint32_t count = items_.parts()[range.part].meshes.empty() ? 0 : commands[range.first].instances;
+        for (uint32_t i = 0; i < count; ++i) items.push_back(order_[places[firstSlot_[range.part] + i]]);
     }
-    return drawn;
 }
 
 }  // namespace dapple::gpuscene

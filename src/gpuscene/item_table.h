@@ -28,18 +28,18 @@ public:
     /// The groups whose boxes (metres from Scene::origin) `keep` accepts; it must reject whatever lies within a box that it rejects.
     void pick(const std::function<bool(const base::Box&)>& keep, Groups& groups) const;
     /// Makes `list` one of those items of the groups that a shader adds to it. Sets uEye (metres from Scene::origin), uGroups
-    /// and storage buffers 0 to 4; everything else is the caller's.
+    /// and storage buffers 0 to 5; everything else is the caller's.
     void choose(const gl::Program& program, const glm::dvec3& eye, const Groups& groups, DrawList& list) const;
 
-    /// What the shaders have put into a list. Waits for the GPU: for counters, never in a timed frame.
-    ItemCount read(const DrawList& list) const;
+    /// Appends the items that the shaders have put into a list. Waits for the GPU: for counters, never in a timed frame.
+    void read(const DrawList& list, std::vector<uint32_t>& items) const;
 
 private:
     const Items& items_;
     const Hierarchy& hierarchy_;
     std::span<const uint32_t> order_;
     size_t commandCount_ = 0;
-    std::vector<uint32_t> firstCommand_;  ///< by part
+    std::vector<uint32_t> firstCommand_, firstSlot_;  ///< by part
     mutable std::vector<uint32_t> rangeOf_;  ///< by part; kNone between calls
     gl::Buffer table_, parts_, commands_;
 };

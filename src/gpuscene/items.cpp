@@ -17,12 +17,6 @@ Items::Items(const scenegen::Scene& scene, std::vector<Part> parts) : scene_(&sc
     instancesMoved();
 }
 
-ItemCount Items::count(std::span<const uint32_t> items) const {
-    ItemCount sum{items.size(), 0};
-    for (const uint32_t item : items) sum.triangles += part(item).triangles;
-    return sum;
-}
-
 void Items::instancesMoved() {
     std::vector<uint32_t> moved;
     std::vector<base::Box> movedBoxes;

@@ -5,7 +5,7 @@
 
 namespace dapple::shadow {
 
-const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings&) { return scene.items(); }
+const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings& settings) { return scene.items(uint32_t(std::stoul(settings.at("cluster")))); }
 
 std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun) {
     const gpuscene::Items& items = cullItems(scene, settings);

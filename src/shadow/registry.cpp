@@ -30,7 +30,8 @@ const std::vector<Axis> kAxes{
       {"chc", "what occlusion queries find visible (Bittner, Wimmer, Piringer, Purgathofer 2004)"},
       {"chcpp", "the same, with batches, multiqueries and tight bounds (Mattausch, Bittner, Wimmer 2008)"},
       {"hiz", "what was visible in the last frame, then what its depth does not hide: hierarchical z in two phases, on the GPU"}}},
-    {"leaf", "triangles in a leaf of the hierarchy that occlusion queries go through, at most, unless one instance has more", {}, 1, 1000000000},
+    {"cluster", "triangles that are drawn or left out as one, at most: a larger instance is culled in clusters; 0: in one piece", {}, 0, 1000000000},
+    {"leaf", "triangles in a leaf of the hierarchy that occlusion queries go through, at most, unless one instance or cluster has more", {}, 1, 1000000000},
     {"batch", "invisible nodes that gather before chcpp asks about them", {}, 1, 1000},
     {"assumed-visible", "frames, on average, that chcpp takes a visible leaf for visible without asking", {}, 0, 1000},
     {"cull", "casters left out of a map, or of the volumes",
@@ -101,7 +102,7 @@ const std::vector<Axis> kAxes{
 
 /// Beside what the technique itself has.
 Settings withCamera(Settings settings) {
-    settings.merge(Settings{{"camera", "frustum"}, {"leaf", "10000"}, {"batch", "50"}, {"assumed-visible", "5"}});
+    settings.merge(Settings{{"camera", "frustum"}, {"cluster", "0"}, {"leaf", "2000"}, {"batch", "50"}, {"assumed-visible", "5"}});
     return settings;
 }
 

@@ -1,15 +1,9 @@
 #include "visibility/culling.h"
 
 namespace dapple::visibility {
-namespace {
-
-/// Triangles in a leaf: as coherent culling's by default, so that the two share a hierarchy.
-constexpr uint64_t kLeaf = 10'000;
-
-}  // namespace
 
 ListCulling::ListCulling(const gpuscene::Items& items, bool castersOnly, std::function<bool(uint32_t)> keep)
-    : items_(items), hierarchy_(items.hierarchy(kLeaf, castersOnly)), keep_(std::move(keep)) {}
+    : items_(items), hierarchy_(items.hierarchy(gpuscene::Items::kLeafTriangles, castersOnly)), keep_(std::move(keep)) {}
 
 void ListCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
     std::vector<uint32_t> chosen;

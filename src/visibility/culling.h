@@ -24,10 +24,8 @@ public:
     virtual ~Culling() = default;
     /// Calls `submit` once or several times, with what it is to draw into what is bound.
     virtual void draw(const ViewFrame& frame, const gpuscene::Submit& submit) = 0;
-    /// By the last draw(). May wait for the GPU.
-    virtual gpuscene::ItemCount drawn() const = 0;
-    /// Submits once more all that the last draw() did, for pictures. `eye`: as then.
-    virtual void redraw(const glm::dvec3& eye, const gpuscene::Submit& submit) = 0;
+    /// Items that the last draw() has drawn. May wait for the GPU.
+    virtual std::vector<uint32_t> drawn() const = 0;
     /// Of its occlusion queries in the last draw(); empty where it asks none.
     virtual std::optional<Statistics> statistics() const { return std::nullopt; }
 };
@@ -38,8 +36,7 @@ class ListCulling final : public Culling {
 public:
     ListCulling(const gpuscene::Items& items, bool castersOnly, std::function<bool(uint32_t instance)> keep = {});
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
-    gpuscene::ItemCount drawn() const override { return items_.count(list_.items); }
-    void redraw(const glm::dvec3&, const gpuscene::Submit& submit) override { submit(list_); }
+    std::vector<uint32_t> drawn() const override { return list_.items; }
 
 private:
     const gpuscene::Items& items_;

@@ -18,7 +18,7 @@ HizCulling::HizCulling(const gpuscene::Items& items, bool castersOnly, bool reve
 }
 
 void HizCulling::choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, visible_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, visible_.name());
     program.set("uLevels", farthest_.levels());
     program.set("uCells", float(farthest_.cells()));
     program.set("uClip", glm::mat4(frame.view.clipFromRelative));
@@ -46,9 +46,10 @@ void HizCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
     submit(lists_[1]);
 }
 
-gpuscene::ItemCount HizCulling::drawn() const {
-    gpuscene::ItemCount sum = table_.read(lists_[0]);
-    return sum += table_.read(lists_[1]);
+std::vector<uint32_t> HizCulling::drawn() const {
+    std::vector<uint32_t> items;
+    for (const gpuscene::DrawList& list : lists_) table_.read(list, items);
+    return items;
 }
 
 }  // namespace dapple::visibility

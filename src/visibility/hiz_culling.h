@@ -16,10 +16,7 @@ public:
     HizCulling(const gpuscene::Items& items, bool castersOnly, bool reversed);
 
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
-    gpuscene::ItemCount drawn() const override;
-    void redraw(const glm::dvec3&, const gpuscene::Submit& submit) override {
-        for (const gpuscene::DrawList& list : lists_) submit(list);
-    }
+    std::vector<uint32_t> drawn() const override;
 
 private:
     void choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list);

@@ -10,17 +10,13 @@ class QueryCulling final : public Culling {
 public:
     struct Options {
         CullSettings settings;
-        uint64_t leafTriangles = 10'000;  ///< of the hierarchy's leaves
+        uint64_t leafTriangles = gpuscene::Items::kLeafTriangles;  ///< of the hierarchy's leaves
         bool castersOnly = false;         ///< leave out what casts no shadow
     };
     QueryCulling(const gpuscene::Items& items, const Options& options);
 
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
-    gpuscene::ItemCount drawn() const override { return items_.count(drawn_); }
-    void redraw(const glm::dvec3& eye, const gpuscene::Submit& submit) override {
-        items_.collect(eye, drawn_, list_);
-        submit(list_);
-    }
+    std::vector<uint32_t> drawn() const override { return drawn_; }
     std::optional<Statistics> statistics() const override { return culler_.statistics(); }
 
 private:

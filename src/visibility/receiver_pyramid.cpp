@@ -50,4 +50,10 @@ void PyramidCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit
     submit(list_);
 }
 
+std::vector<uint32_t> PyramidCulling::drawn() const {
+    std::vector<uint32_t> items;
+    table_.read(list_, items);
+    return items;
+}
+
 }  // namespace dapple::visibility

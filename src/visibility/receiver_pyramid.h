@@ -44,8 +44,7 @@ public:
     PyramidCulling(const gpuscene::Items& items, const ReceiverPyramid& pyramid, int layer) : table_(items.table(true)), pyramid_(pyramid), layer_(layer) {}
 
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
-    gpuscene::ItemCount drawn() const override { return table_.read(list_); }
-    void redraw(const glm::dvec3&, const gpuscene::Submit& submit) override { submit(list_); }
+    std::vector<uint32_t> drawn() const override;
 
 private:
     const gpuscene::ItemTable& table_;

@@ -208,6 +208,29 @@ TEST_F(GlQueriesTest, AMaskKeepsWhatItIsSetFor) {
     }
 }
 
+// Casters before a map's near plane are drawn with depth clamp; so must their boxes be, or their shadows vanish.
+TEST_F(GlQueriesTest, WhatLiesBeforeTheNearPlaneIsSeen) {
+    const scenegen::Scene yard = frame::yard(10);
+    const GpuScene scene(yard);
+    const Hierarchy hierarchy = hierarchyOf(scene, 1'000'000);
+    Raster raster(scene, hierarchy, 64, 64);
+    const glm::dvec3 down(0, 0, -1);
+    for (const bool clamp : {true, false}) {  // whatever the renderer draws with
+        const CullView view = CullView::sun({0, 0, 0}, sunMatrix(down, 40, 500, 600), down);  // everything is 500 m nearer to the sun
+        raster.start(view);
+        (clamp ? glEnable : glDisable)(GL_DEPTH_CLAMP);
+        QueryState state = raster.queryState();
+        state.depthClamp = clamp;
+        GlQueries queries;
+        queries.use(state);
+        queries.begin();
+        const uint32_t root[] = {0};
+        EXPECT_GT(queries.wait(queries.issue(hierarchy, view, root)), 0u);
+        queries.end();
+        EXPECT_EQ(glIsEnabled(GL_DEPTH_CLAMP), clamp);
+    }
+}
+
 TEST_F(GlQueriesTest, AStencilTestCountsAndSamplesAreCounted) {
     const scenegen::Scene yard = frame::yard(10);
     const GpuScene scene(yard);

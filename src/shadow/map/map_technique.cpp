@@ -13,15 +13,13 @@
 #include <array>
 #include <numbers>
 #include <optional>
+#include <set>
 
 namespace dapple::shadow {
 namespace {
 
 using gpuscene::Attributes;
 using gpuscene::Bucket;
-
-/// Triangles in a leaf of the hierarchy that bounds the whole scene.
-constexpr uint64_t kBoundsLeaf = 10'000;
 
 class MapTechnique final : public Technique {
 public:
@@ -94,9 +92,9 @@ public:
     }
 
     bool redrawCasters(size_t matrix, const gpuscene::Submit& submit) override {
-        Cascade& c = cascades_[mapOf(matrix)];
-        if (mask_) submit(c.receivers);
-        c.culling->redraw(frame_.camera().eye, submit);
+        gpuscene::DrawList list;
+        items_.collect(frame_.camera().eye, itemsDrawn(cascades_[mapOf(matrix)]), list);
+        submit(list);
         return true;
     }
     std::optional<base::ImageF> receiverMask(size_t matrix) const override {
@@ -107,13 +105,17 @@ public:
     }
 
     std::optional<Casters> castersDrawn() const override {
-        gpuscene::ItemCount sum;
+        Casters sum;
         for (const Cascade& c : cascades_) {
             if (!needed(c).empty()) continue;
-            sum += items_.count(c.receivers.items);  // with a mask: drawn before
-            sum += c.culling->drawn();
+            std::set<uint32_t> instances;  // an instance may have been drawn in clusters
+            for (const uint32_t i : itemsDrawn(c)) {
+                instances.insert(items_[i].instance);
+                sum.triangles += items_.part(i).triangles;
+            }
+            sum.instances += instances.size();
         }
-        return Casters{sum.items, sum.triangles};
+        return sum;
     }
 
     std::vector<std::pair<std::string, visibility::Statistics>> queryStatistics() const override {
@@ -138,6 +140,12 @@ private:
         std::unique_ptr<visibility::Culling> culling;
         gpuscene::DrawList receivers, others;  // with a mask: those in sight, that cast and that do not
     };
+
+    std::vector<uint32_t> itemsDrawn(const Cascade& c) const {
+        std::vector<uint32_t> items = c.culling->drawn();
+        items.insert(items.end(), c.receivers.items.begin(), c.receivers.items.end());  // with a mask: drawn before
+        return items;
+    }
 
     /// Of matrices()[matrix]: maps that nothing needs have none.
     size_t mapOf(size_t matrix) const {
@@ -165,7 +173,7 @@ private:
         const base::DBox sceneBox = frame_.relativeSceneBox();
         base::DBox sceneBounds;
         if (kind_ == FitKind::scene) {  // tighter than the box of everything, which the sun sees askew
-            const gpuscene::Hierarchy& instances = frame_.scene().hierarchy(kBoundsLeaf, false);
+            const gpuscene::Hierarchy& instances = frame_.scene().hierarchy(gpuscene::Items::kLeafTriangles, false);
             const glm::dvec3 axes[] = {basis_.u, basis_.v, basis_.l};
             for (int k = 0; k < 3; ++k) {
                 const double eye = glm::dot(camera.eye, axes[k]);
@@ -230,6 +238,7 @@ private:
         Cascade& c = cascades_[size_t(index)];
         std::vector<uint32_t> casting, others;
         frame.drawn = frame_.drawnItems();
+        if (frame.drawn.empty()) frame.view.planes.assign(1, {0, 0, 0, -1e300});  // no receiver: no caster is needed
         for (const uint32_t i : frame.drawn)
             if (!items_.part(i).castsShadow) others.push_back(i);
             else if (reaches.keep(frame.view.relative(items_.boxes()[i]))) casting.push_back(i);
