@@ -19,22 +19,25 @@ struct LoadedScene {
     uint64_t hash;
     gpuscene::GpuScene gpu;
     std::optional<truth::Tracer> tracer;
+    double start;  ///< seconds: time at which it was loaded
 
-    explicit LoadedScene(scenegen::Scene s) : scene(std::move(s)), hash(scene.contentHash()), gpu(scene) {}
+    explicit LoadedScene(scenegen::Scene s) : scene(std::move(s)), hash(scene.contentHash()), gpu(scene), start(scene.time) {}
+    /// Everything follows but frames, which are to be told.
+    void moveTo(double seconds);
 };
 
 /// A view at a resolution, shared by all points under comparison, with its reference.
 struct SharedFrame {
     std::shared_ptr<LoadedScene> loaded;
     frame::Frame frame;
-    std::map<int, truth::Reference> traced;  ///< by frame of the sun's path
+    std::map<int, truth::Reference> traced;  ///< by frame of the path
     std::map<int, std::vector<uint32_t>> contributing;
     int pathFrame = 0;
 
     SharedFrame(std::shared_ptr<LoadedScene> scene, const scenegen::View& view, int width, int height)
         : loaded(std::move(scene)), frame(loaded->gpu, view, width, height) {}
-    /// Puts the sun where a path has it.
-    void moveTo(const SunPath& path, int frameOfPath);
+    /// Puts the sun and the moving instances where a path has them.
+    void moveTo(const MotionPath& path, int frameOfPath);
     /// Casters that shadow a receiver in sight under its present sun, by the reference's rays; indices into Scene::instances.
     const std::vector<uint32_t>& contributors();
     /// The ray-traced truth of this frame, under its present sun; from the cache where it is there.

@@ -28,7 +28,7 @@ struct Plan {
     std::vector<PlannedPoint> points;
     std::map<std::string, std::string> sceneHashes;  ///< "scene[variant]/stress", without what is empty → 16 hex digits
     PlotRequest plot;
-    std::optional<SunPath> path = {};
+    std::optional<MotionPath> path = {};
 
     std::vector<Comparison> comparisons() const;
     std::string csv() const;   ///< text of plan.csv

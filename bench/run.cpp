@@ -143,7 +143,7 @@ private:
         json["build"] = buildJson();
         json["machine"] = nlohmann::ordered_json::parse(workbench_.identityJson());
         if (!plan_.plot.x.empty()) json["plot"] = {{"x", plan_.plot.x}, {"y", plan_.plot.y}, {"columns", plan_.plot.columns}};
-        if (plan_.path) json["motion"] = {{"sun_azimuth_per_frame", plan_.path->azimuthPerFrame}, {"sun_elevation_per_frame", plan_.path->elevationPerFrame}, {"frames", plan_.path->frames}};
+        if (plan_.path) json["motion"] = {{"sun_azimuth_per_frame", plan_.path->azimuthPerFrame}, {"sun_elevation_per_frame", plan_.path->elevationPerFrame}, {"seconds_per_frame", plan_.path->secondsPerFrame}, {"frames", plan_.path->frames}};
         json["seeds"] = {{"sampling", plan_.sampling.seed}};
         json["hashes"] = {{"scenes", plan_.sceneHashes}, {"shaders", shadersHash()}};
         return json.dump(2) + "\n";

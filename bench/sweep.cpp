@@ -66,12 +66,14 @@ TechniqueEntry readEntry(base::ConfigTable& table) {
     return entry;
 }
 
-SunPath readMotion(base::ConfigTable& table) {
-    SunPath path;
+MotionPath readMotion(base::ConfigTable& table) {
+    MotionPath path;
     path.azimuthPerFrame = table.number("sun_azimuth_per_frame", 0, -90, 90);
     path.elevationPerFrame = table.number("sun_elevation_per_frame", 0, -10, 10);
+    path.secondsPerFrame = table.number("seconds_per_frame", 0, 0, 3600);
     path.frames = static_cast<int>(table.integer("frames", 16, 2, 1000));
-    if (path.azimuthPerFrame == 0 && path.elevationPerFrame == 0) table.fail("frames", "a [motion] needs sun_azimuth_per_frame or sun_elevation_per_frame, degrees");
+    if (path.azimuthPerFrame == 0 && path.elevationPerFrame == 0 && path.secondsPerFrame == 0)
+        table.fail("frames", "a [motion] needs sun_azimuth_per_frame or sun_elevation_per_frame, degrees, or seconds_per_frame");
     table.finish();
     return path;
 }

@@ -80,6 +80,7 @@ glm::vec3 Motion::at(double seconds) const {
 }
 
 void Scene::moveTo(double seconds) {
+    time = seconds;
     for (const Motion& m : motions) instances[m.instance].translation = m.at(seconds);
 }
 

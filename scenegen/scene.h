@@ -134,7 +134,8 @@ struct Scene {
     std::vector<View> views;  ///< at least one
     Sun sun;
     std::vector<LocalLight> lights;
-    std::vector<Motion> motions;  ///< of moving instances; their translations are those of the last moveTo()
+    std::vector<Motion> motions;  ///< of moving instances; their translations are those of `time`
+    double time = 0;              ///< seconds, of the last moveTo(); not part of the content, which has the translations
     std::vector<std::string> dropped;  ///< what dropBadInstances() has removed and why; not part of the content
 
     /// Sets the translations of the moving instances to those at a time. What the wind bends is not touched: shapes are

@@ -16,7 +16,7 @@ GlWorkbench& workbench() {
     return bench;
 }
 
-PointSpec spec(const std::string& technique, shadow::Settings axes, const std::optional<SunPath>& path) {
+PointSpec spec(const std::string& technique, shadow::Settings axes, const std::optional<MotionPath>& path) {
     PointSpec s;
     s.scene = "forest-small";
     s.technique = technique;
@@ -41,7 +41,7 @@ TEST(Motion, ErrorsAreTheMeansOfSunsThatStandStill) {
             const bool instanced = *update != 0;
             if (instanced && azimuth) continue;  // fresh maps are laid out at other rotations against the sun
             SCOPED_TRACE(fmt::format("{} {} {}", technique, update, azimuth));
-            const SunPath path{azimuth ? 3.0 : 0.0, azimuth ? 0.0 : -1.5, 4};
+            const MotionPath path{azimuth ? 3.0 : 0.0, azimuth ? 0.0 : -1.5, 0, 4};
             const shadow::Settings axes = instanced ? shadow::Settings{{"update", update}} : shadow::Settings{};
             const auto moving = byMetric(workbench().open(spec(technique, axes, path))->errors());
             double sum = 0, most = 0;
@@ -62,15 +62,44 @@ TEST(Motion, ErrorsAreTheMeansOfSunsThatStandStill) {
         }
 }
 
+// Cars drive on, out of sight and in it, and so do their shadows in the truth.
+TEST(Motion, ErrorsAreTheMeansOfScenesThatStandStill) {
+    const auto at = [](int seconds) {
+        PointSpec s = spec("uniform", {{"size", "2048"}}, std::nullopt);
+        s.scene = "city-vienna";
+        s.sceneSettings = {"scale=0.03", "city.traffic=60", fmt::format("time={}", seconds)};
+        return s;
+    };
+    PointSpec driving = at(3);
+    driving.view = workbench().sceneFacts(driving.scene, driving.sceneSettings, {}).views.front();
+    driving.path = MotionPath{.secondsPerFrame = 2, .frames = 4};
+    const auto moving = byMetric(workbench().open(driving)->errors());
+    std::map<std::string, double> sums;
+    for (int frame = 1; frame < 4; ++frame) {
+        PointSpec still = at(3 + 2 * frame);
+        still.view = driving.view;
+        for (const auto& [metric, figure] : byMetric(workbench().open(still)->errors()))
+            if (figure.value) sums[metric] += *figure.value / 3;
+    }
+    for (const char* metric : {"error", "false_shadow", "false_light", "shadowed", "valid"}) EXPECT_NEAR(moving.at(metric).value.value(), sums.at(metric), 1e-6) << metric;
+    EXPECT_GT(moving.at("reference_flips").value.value(), 0.001);
+    // Who asks for no motion finds the scene as it was loaded.
+    PointSpec before = at(3);
+    before.view = driving.view;
+    const auto again = byMetric(workbench().open(before)->errors());
+    workbench().releaseScene("city-vienna");
+    EXPECT_EQ(again.at("shadowed").value, byMetric(workbench().open(before)->errors()).at("shadowed").value);
+}
+
 TEST(Motion, WhatCastsNoShadowLacksAllFlipsOfTheTruth) {
-    const auto figures = byMetric(workbench().open(spec("unshadowed", {}, SunPath{1, -0.5, 4}))->errors());
+    const auto figures = byMetric(workbench().open(spec("unshadowed", {}, MotionPath{1, -0.5, 0, 4}))->errors());
     EXPECT_EQ(figures.at("flips").value, 0);
     EXPECT_GT(figures.at("reference_flips").value.value(), 0.01);
     EXPECT_EQ(figures.at("excess_flips").value.value(), -figures.at("reference_flips").value.value());
 }
 
 TEST(Motion, BudgetsAndCriteriaShowInTexelsAndLags) {
-    const SunPath path{0, -0.05, 9};
+    const MotionPath path{0, -0.05, 0, 9};
     std::map<std::string, double> texels, lag;
     for (const char* update : {"regenerate", "criterion", "round-robin"}) {
         const auto point = workbench().open(spec("instanced", {{"update", update}}, path));
@@ -91,7 +120,7 @@ TEST(Motion, BudgetsAndCriteriaShowInTexelsAndLags) {
 
 TEST(Motion, TimedFramesHaveTheSamePassesThroughout) {
     for (const char* update : {"cached", "criterion", "round-robin", "regenerate"}) {
-        const auto point = workbench().open(spec("instanced", {{"update", update}}, SunPath{0, -0.02, 5}));
+        const auto point = workbench().open(spec("instanced", {{"update", update}}, MotionPath{0, -0.02, 0, 5}));
         point->beginBlocks();
         for (int i = 0; i < 12; ++i) point->submitFrame(true);
         for (const measure::FrameTimes& times : point->drain()) EXPECT_EQ(times.passMs.size(), point->passNames().size()) << update;

@@ -112,7 +112,7 @@ TEST(Sweep, EveryNamedSweepReadsAndOpensWithItsQuestion) {
 TEST(Sweep, MotionIsAPathOfTheSun) {
     const std::string tail = "[[technique]]\nname = \"uniform\"\n";
     EXPECT_FALSE(parseSweep(kHead + tail, "s.toml").path);
-    const SunPath path = parseSweep(kHead + "[motion]\nsun_azimuth_per_frame = 0.5\nsun_elevation_per_frame = -0.25\nframes = 4\n" + tail, "s.toml").path.value();
+    const MotionPath path = parseSweep(kHead + "[motion]\nsun_azimuth_per_frame = 0.5\nsun_elevation_per_frame = -0.25\nframes = 4\n" + tail, "s.toml").path.value();
     EXPECT_EQ(path.at({100, 40}, 3).azimuth, 101.5);
     EXPECT_EQ(path.at({100, 40}, 3).elevation, 39.25);
     std::vector<int> shown;
