@@ -345,7 +345,16 @@ private:
 
 }  // namespace
 
+void LoadedScene::moveTo(double seconds) {
+    if (scene.motions.empty() || seconds == scene.time) return;
+    scene.moveTo(seconds);
+    gpu.instancesMoved();
+    if (tracer) tracer->instancesMoved(scene);
+}
+
 void SharedFrame::moveTo(const MotionPath& path, int frameOfPath) {
+    loaded->moveTo(loaded->start + frameOfPath * path.secondsPerFrame);
+    if (!loaded->scene.motions.empty()) frame.instancesMoved();
     frame.setSun(path.at(loaded->scene.sun, frameOfPath));
     if (path.movesCamera()) frame.look(path.at(view, frameOfPath));
     pathFrame = frameOfPath;
@@ -379,7 +388,11 @@ const truth::Reference& SharedFrame::reference(size_t sun) {
         // No direct light at all: nothing that a technique could get right or wrong.
         reference = {seen.width, seen.height, std::vector<truth::Label>(seen.present.size(), truth::Label::excluded), {}};
     } else {
-        reference = truth::cachedReference(*loaded->tracer, loaded->hash, seen, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
+        base::Hasher content;  // receivers in sight do not tell where casters out of sight are
+        content.value(loaded->hash);
+        content.value(loaded->scene.time);
+        const uint64_t hash = loaded->scene.time == loaded->start ? loaded->hash : content.digest();
+        reference = truth::cachedReference(*loaded->tracer, hash, seen, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
     }
     return traced.emplace(key, std::move(reference)).first->second;
 }
@@ -432,7 +445,7 @@ std::shared_ptr<SharedFrame> GlWorkbench::sharedFrame(const PointSpec& spec) {
 
 std::unique_ptr<OpenPoint> GlWorkbench::open(const PointSpec& spec) {
     auto shared = sharedFrame(spec);
-    if (spec.path) shared->moveTo(*spec.path, 0);
+    shared->moveTo(spec.path.value_or(MotionPath{}), 0);
     return std::make_unique<GlPoint>(std::move(shared), *timer_, spec);
 }
 

@@ -19,8 +19,11 @@ struct LoadedScene {
     uint64_t hash;
     gpuscene::GpuScene gpu;
     std::optional<truth::Tracer> tracer;
+    double start;  ///< seconds: time at which it was loaded
 
-    explicit LoadedScene(scenegen::Scene s) : scene(std::move(s)), hash(scene.contentHash()), gpu(scene) {}
+    explicit LoadedScene(scenegen::Scene s) : scene(std::move(s)), hash(scene.contentHash()), gpu(scene), start(scene.time) {}
+    /// Everything follows but frames, which are to be told.
+    void moveTo(double seconds);
 };
 
 /// A view at a resolution, shared by all points under comparison, with its reference.
@@ -35,7 +38,7 @@ struct SharedFrame {
 
     SharedFrame(std::shared_ptr<LoadedScene> scene, const scenegen::View& seen, int width, int height)
         : loaded(std::move(scene)), frame(loaded->gpu, seen, width, height), view(seen) {}
-    /// Puts sun and camera where a path has them.
+    /// Puts sun, camera and moving instances where a path has them.
     void moveTo(const MotionPath& path, int frameOfPath);
     /// Casters that shadow a receiver in sight under a sun as it is now, by the reference's rays; indices into Scene::instances.
     const std::vector<uint32_t>& contributors(size_t sun = 0);

@@ -6,12 +6,13 @@
 
 namespace dapple::bench {
 
-/// What moves in a sweep with a [motion]: the sun and the camera, from where the scene has them, by equal steps from frame to
-/// frame. Image errors and counters are those of its frames 1, 2 … in order, with all that techniques keep made for frame 0.
+/// What moves in a sweep with a [motion]: the sun and the camera, from where the scene has them, and its moving instances, from
+/// where they are at its time, by equal steps from frame to frame. Image errors and counters are those of its frames 1, 2 … in order, with all that techniques keep made for frame 0.
 /// Timed frames walk it to and fro, so that no step is larger than another, each point of a comparison from its beginning.
 struct MotionPath {
     double azimuthPerFrame = 0, elevationPerFrame = 0;  ///< of the sun, degrees
     int frames = 0;                                     ///< ≥ 2
+    double secondsPerFrame = 0;                         ///< of the moving instances
     double metresPerFrame = 0;                          ///< of the camera, level
     double heading = 0;                                 ///< of its way, degrees clockwise from where the view looks
     double turnPerFrame = 0;                            ///< of where it looks, degrees clockwise about the vertical

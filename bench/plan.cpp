@@ -62,7 +62,7 @@ std::string pointId(const PointSpec& spec, uint64_t sceneHash) {
     hasher.value(spec.height);
     if (spec.path) {
         const MotionPath& p = *spec.path;
-        for (const double step : {p.azimuthPerFrame, p.elevationPerFrame, p.metresPerFrame, p.heading, p.turnPerFrame}) hasher.value(step);
+        for (const double step : {p.azimuthPerFrame, p.elevationPerFrame, p.secondsPerFrame, p.metresPerFrame, p.heading, p.turnPerFrame}) hasher.value(step);
         hasher.value(spec.path->frames);
     }
     return base::hex16(hasher.digest());
@@ -129,6 +129,8 @@ Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filte
             for (const std::string& stressName : stress) {
                 const SceneFacts facts = workbench.sceneFacts(scene, sceneSettings, stressName);
                 plan.sceneHashes[scene + (variant.empty() ? "" : "[" + variant + "]") + (stressName.empty() ? "" : "/" + stressName)] = base::hex16(facts.contentHash);
+                if (sweep.path && sweep.path->secondsPerFrame > 0 && !facts.facts.moving)
+                    throw base::UsageError(fmt::format("sweep '{}', [motion]: seconds_per_frame, but nothing moves in scene '{}'", sweep.name, scene));
                 if (sweep.path)
                     for (const int end : {0, sweep.path->frames - 1})
                         if (const double e = sweep.path->at(facts.sun, end).elevation; !(e > 0 && e < 90))

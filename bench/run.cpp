@@ -145,7 +145,7 @@ private:
         if (!plan_.plot.x.empty()) json["plot"] = {{"x", plan_.plot.x}, {"y", plan_.plot.y}, {"columns", plan_.plot.columns}};
         if (const auto& p = plan_.path)
             json["motion"] = {{"sun_azimuth_per_frame", p->azimuthPerFrame}, {"sun_elevation_per_frame", p->elevationPerFrame},
-                              {"camera_metres_per_frame", p->metresPerFrame}, {"camera_heading", p->heading},
+                              {"seconds_per_frame", p->secondsPerFrame}, {"camera_metres_per_frame", p->metresPerFrame}, {"camera_heading", p->heading},
                               {"camera_turn_per_frame", p->turnPerFrame}, {"frames", p->frames}};
         json["seeds"] = {{"sampling", plan_.sampling.seed}};
         json["hashes"] = {{"scenes", plan_.sceneHashes}, {"shaders", shadersHash()}};

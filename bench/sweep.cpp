@@ -70,13 +70,14 @@ MotionPath readMotion(base::ConfigTable& table) {
     MotionPath path;
     path.azimuthPerFrame = table.number("sun_azimuth_per_frame", 0, -90, 90);
     path.elevationPerFrame = table.number("sun_elevation_per_frame", 0, -10, 10);
+    path.secondsPerFrame = table.number("seconds_per_frame", 0, 0, 3600);
     path.frames = static_cast<int>(table.integer("frames", 16, 2, 1000));
     path.metresPerFrame = table.number("camera_metres_per_frame", 0, -1e4, 1e4);
     path.heading = table.number("camera_heading", 0, -180, 180);
     path.turnPerFrame = table.number("camera_turn_per_frame", 0, -180, 180);
     if (path.heading != 0 && path.metresPerFrame == 0) table.fail("camera_heading", "is the way of a camera that walks: camera_metres_per_frame");
-    if (!path.movesSun() && !path.movesCamera())
-        table.fail("frames", "a [motion] needs sun_azimuth_per_frame, sun_elevation_per_frame or camera_turn_per_frame (degrees), or camera_metres_per_frame");
+    if (!path.movesSun() && !path.movesCamera() && path.secondsPerFrame == 0)
+        table.fail("frames", "a [motion] needs sun_azimuth_per_frame, sun_elevation_per_frame camera_turn_per_frame (degrees), camera_metres_per_frame or seconds_per_frame");
     table.finish();
     return path;
 }

@@ -38,7 +38,7 @@ struct Sweep {
     std::vector<std::string> stress;         ///< stiff cases (stress.h); empty: scenes as they are
     int width = 1024, height = 768;          ///< pixels
     measure::SamplingPlan sampling;          ///< how times are taken, the same for every point
-    std::optional<MotionPath> path;          ///< [motion]; empty: sun and camera stand still
+    std::optional<MotionPath> path;          ///< [motion]; empty: all stand still
     std::vector<TechniqueEntry> entries;
     PlotRequest plot;
 };

@@ -25,7 +25,7 @@ struct PointSpec {
     std::string view;                        ///< name of a view of the scene
     int width = 1024, height = 768;          ///< pixels
     std::string variant;                     ///< the sweep's name for those settings that set this point's scene apart
-    std::optional<MotionPath> path = {};     ///< empty: sun and camera stand still
+    std::optional<MotionPath> path = {};     ///< empty: all stand still
 };
 
 /// One figure about a point, not a time: a counter or an error metric.

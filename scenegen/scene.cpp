@@ -116,6 +116,7 @@ Motion::Pose Motion::at(double seconds) const {
 }
 
 void Scene::moveTo(double seconds) {
+    time = seconds;
     for (const Motion& m : motions) {
         const Motion::Pose pose = m.at(seconds);
         instances[m.instance].translation = pose.translation;

@@ -154,7 +154,8 @@ struct Scene {
     Sun sun;
     std::vector<Sun> furtherSuns;  ///< as a window's reflection or a floodlight far off may be; at most kMostSuns with the first
     std::vector<LocalLight> lights;
-    std::vector<Motion> motions;  ///< of moving instances; their poses are those of the last moveTo()
+    std::vector<Motion> motions;  ///< of moving instances; their poses are those of `time`
+    double time = 0;              ///< seconds, of the last moveTo(); not part of the content, which has the poses
     std::vector<std::string> dropped;  ///< what dropBadInstances() has removed and why; not part of the content
 
     /// Sets the translations and yaws of the moving instances to those at a time. What the wind bends is not touched: shapes are

@@ -81,6 +81,10 @@ Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullpt
     requireNoError();
 }
 
+void Occluders::instancesMoved(const scenegen::Scene& scene) {
+    for (size_t i = 0; i < instances_.size(); ++i) instances_[i] = scene.instances[sceneInstances_[i]];
+}
+
 /// No light through shared edges; and filters of rays, if rays have any.
 void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
     const std::vector<scenegen::Mesh>& meshes = scene.prototypes[id].meshes;

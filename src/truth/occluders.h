@@ -47,6 +47,9 @@ public:
     /// Throws base::Error when Embree cannot run here or has no memory left.
     explicit Occluders(const scenegen::Scene& scene);
 
+    /// Scene::moveTo has moved instances: placements from now on have them where they are.
+    void instancesMoved(const scenegen::Scene& scene);
+
     struct Instance {
         glm::vec3 translation;  ///< relative to the eye, metres
         float scale;

@@ -160,6 +160,8 @@ Tracer::~Tracer() = default;
 Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 
+void Tracer::instancesMoved(const scenegen::Scene& scene) { impl_->occluders.instancesMoved(scene); }
+
 Reference Tracer::trace(const Receivers& receivers, const glm::dvec3& eye, const glm::dvec3& light) const {
     const int width = receivers.width, height = receivers.height;
     const size_t pixels = size_t(width) * size_t(height);

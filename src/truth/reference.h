@@ -53,6 +53,9 @@ public:
     Tracer(Tracer&&) noexcept;
     Tracer& operator=(Tracer&&) noexcept;
 
+    /// To be called when Scene::moveTo has moved instances of the scene that it was made from.
+    void instancesMoved(const scenegen::Scene& scene);
+
     /// `eye`: metres from Scene::origin; `light`: unit direction in which the light travels, any. With the
     /// sun on or below the horizon (light.z ≥ 0) there is no direct light: what faces it is shadowed. A
     /// receiver that is not finite is excluded.

@@ -75,6 +75,35 @@ TEST(Motion, AWalkIsTheMeanOfItsPlacesAndComparesWhatStaysInSight) {
     EXPECT_EQ(lit.at("flips").value, 0);
 }
 
+// Cars drive on, out of sight and in it, and so do their shadows in the truth.
+TEST(Motion, ErrorsAreTheMeansOfScenesThatStandStill) {
+    const auto at = [](int seconds) {
+        PointSpec s = spec("uniform", {{"size", "2048"}}, std::nullopt);
+        s.scene = "city-vienna";
+        s.sceneSettings = {"scale=0.03", "city.traffic=60", fmt::format("time={}", seconds)};
+        return s;
+    };
+    PointSpec driving = at(3);
+    driving.view = workbench().sceneFacts(driving.scene, driving.sceneSettings, {}).views.front();
+    driving.path = MotionPath{.secondsPerFrame = 2, .frames = 4};
+    const auto moving = byMetric(workbench().open(driving)->errors());
+    std::map<std::string, double> sums;
+    for (int frame = 1; frame < 4; ++frame) {
+        PointSpec still = at(3 + 2 * frame);
+        still.view = driving.view;
+        for (const auto& [metric, figure] : byMetric(workbench().open(still)->errors()))
+            if (figure.value) sums[metric] += *figure.value / 3;
+    }
+    for (const char* metric : {"error", "false_shadow", "false_light", "shadowed", "valid"}) EXPECT_NEAR(moving.at(metric).value.value(), sums.at(metric), 1e-6) << metric;
+    EXPECT_GT(moving.at("reference_flips").value.value(), 0.001);
+    // Who asks for no motion finds the scene as it was loaded.
+    PointSpec before = at(3);
+    before.view = driving.view;
+    const auto again = byMetric(workbench().open(before)->errors());
+    workbench().releaseScene("city-vienna");
+    EXPECT_EQ(again.at("shadowed").value, byMetric(workbench().open(before)->errors()).at("shadowed").value);
+}
+
 TEST(Motion, WhatCastsNoShadowLacksAllFlipsOfTheTruth) {
     const auto figures = byMetric(workbench().open(spec("unshadowed", {}, MotionPath{1, -0.5, 4}))->errors());
     EXPECT_EQ(figures.at("flips").value, 0);

@@ -43,6 +43,25 @@ TEST(SizeChooser, GrowsAtOnceAndShrinksLate) {
     EXPECT_EQ(chooser.update(small)[0], 64);
 }
 
+// Of a demand that stays, a side asks for at most what it is, and for no less once a tenth of it is given up.
+TEST(SizeChooser, SettlesWithinItsHysteresisWhateverWasBefore) {
+    base::Random random(9, 0, 0);
+    size_t less = 0;
+    for (int trial = 0; trial < 300; ++trial) {
+        SizeChooser chooser(1024);
+        for (int i = 0; i < trial % 50; ++i) chooser.update(std::vector<double>{cube(std::exp2(double(random.next(3, trial % 2 == 0 ? 11 : 5))))});
+        // Every third a little above the border between two sides.
+        const double demand = cube(std::exp2(trial % 3 == 0 ? std::floor(double(random.next(6, 10))) + 0.5 + double(random.next(0, 0.06f)) : double(random.next(4, 10))));
+        int side = 0;
+        for (int i = 0; i < 2 * SizeChooser::kPatience; ++i) side = chooser.update(std::vector<double>{demand})[0];
+        for (int i = 0; i < 2 * SizeChooser::kPatience; ++i) ASSERT_EQ(chooser.update(std::vector<double>{demand})[0], side);
+        EXPECT_LE(side, SizeChooser::wanted(demand, 1024));
+        EXPECT_GE(side, SizeChooser::wanted(0.9 * demand, 1024));
+        less += side < SizeChooser::wanted(demand, 1024);
+    }
+    EXPECT_GT(less, 0u);
+}
+
 // A demand that swings about the border between two sides, never below it for as long as the patience, changes the map once.
 TEST(SizeChooser, DoesNotOscillate) {
     for (const int period : {2, 7, 20, 40}) {
