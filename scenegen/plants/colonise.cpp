@@ -15,7 +15,7 @@ constexpr uint64_t kAttractorPurpose = 192;
 constexpr size_t kMostNodes = 20'000;
 
 /// Attractors with the node nearest to each, sorted into a grid whose cells are as large as the radius of influence, so
-/// that what a new node can reach lies in 27 cells.
+/// that what a new node can reach lies in nine rows of three cells.
 class Attractors {
 public:
     Attractors(const std::vector<glm::dvec3>& points, const ColonisationParameters& p) : p_(p) {
@@ -27,7 +27,6 @@ public:
         std::partial_sum(first_.begin(), first_.end(), first_.begin());
         for (std::vector<double>* column : {&x_, &y_, &z_, &distance2_, &nearest_, &pulledBy_}) column->resize(points.size() + 1, kNone);
         pull_.resize(points.size());
-        farthest2_.resize(first_.size(), kSlack * p.influence * p.influence);
         std::vector<size_t> next = first_;
         for (const glm::dvec3& a : points) {
             const size_t i = next[cell(cellOf(a))]++;
@@ -38,17 +37,9 @@ public:
     /// Attractors that the new node is nearest to are its own.
     void add(const glm::dvec3& node, int index) {
         const glm::ivec3 at = cellOf(node), from = glm::max(at - 1, glm::ivec3(0)), to = glm::min(at + 1, count_ - 1);
-        // A cell all of whose attractors have a nearer node than its nearest point cannot gain anything.
-        const auto gap2 = [&](int axis, int c) {
-            const double lo = lo_[axis] + c * p_.influence, gap = std::max({0.0, lo - node[axis], node[axis] - lo - p_.influence});
-            return gap * gap;
-        };
+        if (from.x > to.x) return;
         for (int z = from.z; z <= to.z; ++z)
-            for (int y = from.y; y <= to.y; ++y) {
-                const double across2 = gap2(2, z) + gap2(1, y);
-                for (int x = from.x; x <= to.x; ++x)
-                    if (const size_t c = cell({x, y, z}); across2 + gap2(0, x) < farthest2_[c]) addToCell(first_[c], first_[c + 1], node, index);
-            }
+            for (int y = from.y; y <= to.y; ++y) addToRow(first_[cell({from.x, y, z})], first_[cell({to.x, y, z}) + 1], node, index);
     }
 
     /// Of each node, the sum of the unit vectors to its attractors.
@@ -65,13 +56,12 @@ public:
 
 private:
     static constexpr double kNone = -1;
-    static constexpr double kSlack = 1 + 1e-9;  // for a cell's walls, which are rounded
     glm::dvec3 at(size_t i) const { return {x_[i], y_[i], z_[i]}; }
     glm::ivec3 cellOf(const glm::dvec3& p) const { return glm::ivec3(glm::floor((p - lo_) / p_.influence)); }
     size_t cell(const glm::ivec3& c) const { return (size_t(c.z) * size_t(count_.y) + size_t(c.y)) * size_t(count_.x) + size_t(c.x); }
 
     /// Looks at one attractor past `end` perhaps, which does no harm.
-    void addToCell(size_t begin, size_t end, const glm::dvec3& node, int index) {
+    void addToRow(size_t begin, size_t end, const glm::dvec3& node, int index) {
         const Pair3 from{Pair{node.x, node.x}, Pair{node.y, node.y}, Pair{node.z, node.z}};
         // No branches: which are nearer cannot be predicted.
         for (size_t i = begin; i < end; i += 2) {
@@ -88,10 +78,8 @@ private:
         size_t to = 0;
         for (size_t c = 0, i = 0; c + 1 < first_.size(); ++c) {
             first_[c] = to;
-            farthest2_[c] = 0;
             for (; i < first_[c + 1]; ++i) {
                 if (distance2_[i] < reached) continue;
-                farthest2_[c] = std::max(farthest2_[c], kSlack * distance2_[i]);
                 x_[to] = x_[i], y_[to] = y_[i], z_[to] = z_[i], distance2_[to] = distance2_[i];
                 pull_[to] = pull_[i], nearest_[to] = nearest_[i], pulledBy_[to] = pulledBy_[i];
                 ++to;
@@ -104,7 +92,6 @@ private:
     glm::dvec3 lo_;
     glm::ivec3 count_;
     std::vector<size_t> first_;        // attractor of each cell
-    std::vector<double> farthest2_;    // of each cell, the largest distance2_ of its attractors, or more
     std::vector<double> x_, y_, z_;    // of the attractors
     std::vector<double> distance2_;    // to the nearest node, at first the radius of influence
     std::vector<double> nearest_;      // that node: whole numbers, for they are compared and kept in pairs with the distances
