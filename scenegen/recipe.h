@@ -33,7 +33,8 @@ namespace dapple::scenegen {
 ///     [[primitive]] kind = "box" | "sphere" | "slab" | "slivers" (triangles without area), position (centre), size or
 ///                   radius (sphere), albedo, transmittance (of its shadow, 0 ≤ t < 1); copies, scatter (m to each side), turned (random yaw)
 ///     [city]        style = "vienna" | "manhattan", trees (triangles each), traffic (moving cars per km of lane), night
-///                   (lamps shine, the sun has set), views, fovY; or footprints = "FILE.geojson", projected, views, fovY
+///                   (lamps shine, the sun has set), nearDetail (metres from every view beyond which houses and street
+///                   trees are plainer; 0: nowhere), views, fovY; or footprints = "FILE.geojson", projected, views, fovY
 ///     [courtyard]   bays (along the court, times scale), across, plants (triangles each), fovY
 ///     [path]        views, width, eyeHeight, fovY, near, far: walk0 … along a way that trees keep clear of
 ///     [[view]]      name, eye, target, fovY, near, far

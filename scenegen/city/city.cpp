@@ -8,6 +8,7 @@
 #include "scenegen/city/house.h"
 #include "scenegen/city/tower.h"
 #include "scenegen/city/views.h"
+#include "scenegen/lod/view_distance.h"
 
 #include <fmt/format.h>
 
@@ -50,11 +51,11 @@ public:
 
     void build() {
         addGround();
-        const FurnitureOptions furniture{.seed = seed_, .treeTriangles = city_.treeTriangles, .traffic = city_.traffic, .night = city_.night};
+        const FurnitureOptions furniture{.seed = seed_, .treeTriangles = city_.treeTriangles, .traffic = city_.traffic, .nearDetail = city_.nearDetail, .night = city_.night};
+        addViews(scene_, plan_, city_.views, city_.fovY);
         if (city_.style == Style::vienna) buildVienna();
         else buildManhattan();
         addFurniture(scene_, plan_, std::move(yardTrees_), furniture);
-        addViews(scene_, plan_, city_.views, city_.fovY);
         if (city_.night) scene_.sun.elevation = std::min(scene_.sun.elevation, -12.0);
     }
 
@@ -109,6 +110,8 @@ private:
             }
     }
 
+    Detail detailAt(const glm::dvec3& p) const { return city_.nearDetail > 0 && viewDistance(scene_, p) > city_.nearDetail ? Detail::far : Detail::near; }
+
     void place(uint32_t prototype) { addInstance(scene_, prototype, glm::dvec3(0), {1, 0}); }
 
     void plantYard(const Region& green, uint64_t number) {
@@ -130,9 +133,12 @@ private:
         std::array<uint32_t, std::size(kTiles)> tiles;
         for (size_t i = 0; i < stucco.size(); ++i) stucco[i] = addMaterial(scene_, kStucco[i].name, kStucco[i].albedo);
         for (size_t i = 0; i < tiles.size(); ++i) tiles[i] = addMaterial(scene_, kTiles[i].name, kTiles[i].albedo);
-        Parts balcony = balconyModule();
-        const uint32_t balconyPrototype = addPrototype(scene_, "balcony", {of(std::move(balcony.trim), stone), of(std::move(balcony.roof), iron_)});
-        std::map<std::array<int, 4>, uint32_t> bays;
+        const auto addBalcony = [&](Detail detail) {
+            Parts balcony = balconyModule(detail);
+            return addPrototype(scene_, "balcony", {of(std::move(balcony.trim), stone), of(std::move(balcony.roof), iron_)});
+        };
+        const uint32_t balconies[2] = {addBalcony(Detail::near), city_.nearDetail > 0 ? addBalcony(Detail::far) : 0};
+        std::map<std::array<int, 5>, uint32_t> bays;
         std::map<std::array<int, 2>, uint32_t> dormers;
 
         for (size_t b = 0; b < plan_.blocks.size(); ++b) {
@@ -154,11 +160,12 @@ private:
                 append(meshes[stone], parts.trim);
                 append(meshes[tiles[tile]], parts.roof);
                 for (const Placed& m : modules) {
-                    uint32_t prototype = balconyPrototype;
+                    const Detail detail = detailAt(m.position);
+                    uint32_t prototype = balconies[detail == Detail::far];
                     if (m.what == Placed::bay) {
-                        const auto [at, isNew] = bays.try_emplace({house.style, house.floors, int(colour), int(m.kind)}, 0);
+                        const auto [at, isNew] = bays.try_emplace({house.style, house.floors, int(colour), int(m.kind), int(detail)}, 0);
                         if (isNew) {
-                            Parts bay = bayModule(house, m.kind);
+                            Parts bay = bayModule(house, m.kind, detail);
                             at->second = addPrototype(scene_, fmt::format("bay {} of {} floors, {}", house.style, house.floors, kStucco[colour].name),
                                                       {of(std::move(bay.wall), stucco[colour]), of(std::move(bay.trim), frames_), of(std::move(bay.glass), glass_), of(std::move(bay.roof), timber)});
                         }
@@ -185,7 +192,11 @@ private:
         const uint32_t curtain = addMaterial(scene_, "curtain glass", {0.035f, 0.055f, 0.075f}, 0.7f, 120);
         std::vector<uint32_t> walls;
         for (const Colour& c : kTowerWalls) walls.push_back(addMaterial(scene_, c.name, c.albedo));
-        std::map<TowerKind, uint32_t> towers;
+        struct Tower {
+            uint32_t wall = 0;
+            std::map<Detail, uint32_t> prototypes;
+        };
+        std::map<TowerKind, Tower> towers;
         for (size_t b = 0; b < plan_.blocks.size(); ++b) {
             const Block& block = plan_.blocks[b];
             if (block.park) continue;
@@ -194,15 +205,19 @@ private:
             for (size_t p = 0; p < parcels.size(); ++p) {
                 const base::Random r(blockSeed, p, kLookPurpose);
                 const auto [kind, direction] = kindOf(parcels[p], r);
-                const auto [at, isNew] = towers.try_emplace(kind, 0);
+                const glm::dvec3 place(parcels[p].centroid(), 0);
+                const Detail detail = detailAt(place);
+                const auto [tower, isNewKind] = towers.try_emplace(kind);
+                if (isNewKind) tower->second.wall = walls[size_t(kind.style) * 3 + towers.size() % 3];
+                const auto [at, isNew] = tower->second.prototypes.try_emplace(detail, 0);
                 if (isNew) {
-                    Parts parts = towerParts(kind, seed_);
-                    const uint32_t wall = walls[size_t(kind.style) * 3 + towers.size() % 3];
+                    Parts parts = towerParts(kind, seed_, detail);
+                    const uint32_t wall = tower->second.wall;
                     at->second = addPrototype(scene_, fmt::format("tower {} × {} bays, style {}", kind.width, kind.depth, kind.style),
                                               {of(std::move(parts.wall), wall), of(std::move(parts.trim), kind.style == 3 ? wall : stone),
                                                of(std::move(parts.glass), kind.style == 3 ? curtain : glass_), of(std::move(parts.roof), wood)});
                 }
-                addInstance(scene_, at->second, {parcels[p].centroid(), 0}, direction);
+                addInstance(scene_, at->second, place, direction);
             }
         }
     }
@@ -251,7 +266,8 @@ City readCity(base::ConfigTable& table, double scale) {
     if (table.has("footprints")) {
         city.footprints = table.path("footprints");
         city.projected = table.boolean("projected", false);
-        city.views = int(table.integer("views", 6, 1, 60));
+        city.nearDetail = table.number("nearDetail", 0, 0, 1e6);
+    city.views = int(table.integer("views", 6, 1, 60));
         city.fovY = table.number("fovY", 60, 1, 170);
         table.finish();
         return city;
@@ -264,6 +280,7 @@ City readCity(base::ConfigTable& table, double scale) {
     city.treeTriangles = size_t(table.integer("trees", 2000, 0, 1'000'000));
     city.traffic = table.number("traffic", 0, 0, 95);
     city.night = table.boolean("night", false);
+    city.nearDetail = table.number("nearDetail", 0, 0, 1e6);
     city.views = int(table.integer("views", 6, 1, 1000));
     city.fovY = table.number("fovY", 60, 1, 170);
     table.finish();

@@ -14,6 +14,7 @@ struct City {
     double scale = 1;             ///< of the area: 1 is the size that the style is known for
     size_t treeTriangles = 2000;  ///< per street tree; 0: no trees
     double traffic = 0;           ///< moving cars per kilometre of lane
+    double nearDetail = 0;        ///< metres from a view beyond which houses and street trees are plainer; 0: nowhere
     bool night = false;           ///< street lamps shine, and the sun stands at least 12° below the horizon
     int views = 6;                ///< walk0 …: on streets, 1.7 m above them
     double fovY = 60;             ///< degrees
@@ -21,7 +22,7 @@ struct City {
     bool projected = false;       ///< its coordinates are metres, not degrees
 };
 
-/// Reads the table: style = "vienna" | "manhattan", trees (triangles each), traffic, night, views, fovY; or footprints
+/// Reads the table: style = "vienna" | "manhattan", trees (triangles each), traffic, nearDetail, night, views, fovY; or footprints
 /// (see ConfigTable::path), projected, views, fovY. `scale`: the recipe's, 1/1024 … 64. Throws UsageError with file, line and key.
 City readCity(base::ConfigTable& table, double scale);
 

@@ -51,6 +51,11 @@ void addWall(Parts& parts, const glm::dvec2& a, const glm::dvec2& b, int columns
             const Opening& o = row.opening;
             const double x0 = glm::dot(p - a, f.along) + o.side, x1 = glm::dot(q - a, f.along) - o.side;
             const double z0 = row.floor + o.sill, z1 = row.ceiling - o.head;
+            if (row.fittings.flush) {
+                addFace(wall, outer);
+                f.box(parts.glass, x0, x1, -0.02, 0.02, z0, z1);
+                continue;
+            }
             const glm::dvec3 rim[4] = {f.at(x0, 0, z0), f.at(x1, 0, z0), f.at(x1, 0, z1), f.at(x0, 0, z1)};
             const glm::dvec3 deep[4] = {f.at(x0, -o.depth, z0), f.at(x1, -o.depth, z0), f.at(x1, -o.depth, z1), f.at(x0, -o.depth, z1)};
             // The four trapezoids round the opening share their eight corners.

@@ -22,6 +22,14 @@ struct Fittings {
     bool cross = false;  ///< mullion and transom
     bool sill = false;   ///< protruding sill
     bool hood = false;   ///< protruding lintel
+    bool flush = false;  ///< instead of all that, and of a reveal: a pane that stands 2 cm out of the wall
+};
+
+/// What is made of a building. All have the same walls, setbacks and roofs.
+enum class Detail {
+    massing,  ///< no windows at all
+    far,      ///< panes flush with the wall in place of reveals, bars, sills and hoods; no ledges, railings and doors
+    near,
 };
 
 /// A row of equal storeys' openings of a wall.

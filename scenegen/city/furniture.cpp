@@ -6,6 +6,7 @@
 #include "scenegen/city/house.h"
 #include "scenegen/city/solid.h"
 #include "scenegen/city/traffic.h"
+#include "scenegen/lod/view_distance.h"
 #include "scenegen/plants/tree.h"
 
 #include <fmt/format.h>
@@ -181,20 +182,25 @@ private:
         const uint32_t bark = addMaterial(scene_, "street tree bark", species.barkAlbedo);
         scene_.materials.push_back({.name = "street tree leaves", .albedo = species.leaves.albedo, .specular = 0.12f, .shininess = 24});
         const auto leaves = uint32_t(scene_.materials.size() - 1);
-        std::array<uint32_t, kIndividuals> prototypes;
+        const auto grow = [&](size_t i, size_t triangles, int lod) {
+            Tree tree = growTree(species, {base::mix64(options_.seed + i), triangles, LeafMode::polygon, lod});
+            return addPrototype(scene_, fmt::format("street tree {}", i), {of(std::move(tree.bark), bark), of(std::move(tree.leaves), leaves)});
+        };
+        std::array<std::array<uint32_t, 2>, kIndividuals> prototypes;  // near and far
         std::array<double, kIndividuals> radius;
         for (size_t i = 0; i < kIndividuals; ++i) {
-            Tree tree = growTree(species, {base::mix64(options_.seed + i), options_.treeTriangles, LeafMode::polygon});
-            prototypes[i] = addPrototype(scene_, fmt::format("street tree {}", i), {of(std::move(tree.bark), bark), of(std::move(tree.leaves), leaves)});
+            prototypes[i].fill(grow(i, options_.treeTriangles, 0));
             const base::Box box = scene_.prototypes.back().box();
             radius[i] = double(std::max({-box.lo.x, -box.lo.y, box.hi.x, box.hi.y}));
+            if (options_.nearDetail > 0 && options_.treeTriangles > species.triangles[2]) prototypes[i][1] = grow(i, species.triangles[2], 2);
         }
         for (size_t i = 0; i < places.size(); ++i) {
             base::Random random(options_.seed, i, kTreePurpose);
             const double which = random.next(), turn = random.next(), size = random.next();
             const auto k = size_t(which * double(kIndividuals));
+            const bool far = options_.nearDetail > 0 && viewDistance(scene_, places[i].foot) > options_.nearDetail;
             const double scale = places[i].crownRadius / radius[k] * (0.8 + 0.2 * size);
-            scene_.instances.push_back({glm::vec3(places[i].foot), float(scale), float(2 * base::det::kPi * turn), prototypes[k]});
+            scene_.instances.push_back({glm::vec3(places[i].foot), float(scale), float(2 * base::det::kPi * turn), prototypes[k][far]});
         }
     }
 

@@ -11,6 +11,7 @@ struct FurnitureOptions {
     size_t treeTriangles = 0;  ///< per tree; 0: no trees
     double cars = 0.7;         ///< share of parking places that are taken
     double traffic = 0;        ///< moving cars per kilometre of lane
+    double nearDetail = 0;     ///< metres from a view beyond which trees have a coarser level of detail; 0: nowhere
     bool night = false;        ///< lamps are lit
 };
 

@@ -174,7 +174,7 @@ void addHouse(Parts& parts, const Region& parcel, const Region& lot, const House
     for (const Wing& wing : wingsOf(parcel, lot)) builder.addWing(wing, number++);
 }
 
-Parts bayModule(const House& house, BayKind kind) {
+Parts bayModule(const House& house, BayKind kind, Detail detail) {
     const StyleOfHouse& s = kStyles[house.style];
     std::vector<Row> rows;
     Opening ground = s.window;
@@ -191,6 +191,7 @@ Parts bayModule(const House& house, BayKind kind) {
     rows.push_back({rows.back().ceiling, house.eaves() + kHead, {}, {}});
     std::vector<Row> plain = rows;
     for (Row& row : plain) row.opening = {};
+    for (Row& row : rows) row.fittings.flush = detail == Detail::far;
     // A millimetre of overlap to either side: rounding leaves no crack between two modules.
     const double h = 0.5 * s.bay + 0.001;
     const std::array<glm::dvec2, 4> outline{{{-h, 0}, {h, 0}, {h, kFacade + 0.05}, {-h, kFacade + 0.05}}};
@@ -198,7 +199,7 @@ Parts bayModule(const House& house, BayKind kind) {
     Parts parts;
     for (size_t i = 0; i < 4; ++i) addWall(parts, outline[i], outline[(i + 1) % 4], 1, i == 0 ? rows : plain);
     addLids(parts.wall, outline, columns, rows.front().floor, rows.back().ceiling);
-    if (kind == BayKind::door) {
+    if (kind == BayKind::door && detail == Detail::near) {
         // Two leaves of a door before the lower part of the pane, whose upper part is the fanlight.
         const double half = h - ground.side, top = s.groundFloor - ground.head - 0.6;
         for (const double side : {-1.0, 1.0}) {
@@ -210,9 +211,10 @@ Parts bayModule(const House& house, BayKind kind) {
     return parts;
 }
 
-Parts balconyModule() {
+Parts balconyModule(Detail detail) {
     Parts parts;
     addBox(parts.trim, {-1.25, -1.05, 0}, {1.25, 0.1, 0.16});
+    if (detail == Detail::far) return parts;
     for (const double x : {-0.85, 0.85}) addFrustum(parts.trim, {x - 0.1, -0.25, x + 0.1, 0.1}, -0.5, {x - 0.1, -0.9, x + 0.1, 0.1}, 0.02);
     for (int i = 0; i <= 12; ++i) {
         const double x = -1.19 + 2.38 * i / 12;

@@ -49,9 +49,9 @@ struct Placed {
 /// and where they go is appended; without, this is massing: plain walls and roofs.
 void addHouse(Parts& parts, const Region& parcel, const Region& lot, const House& house, std::vector<Placed>* modules);
 
-/// The modules: one window axis from the ground to the eaves; a balcony on brackets; a dormer.
-Parts bayModule(const House& house, BayKind kind);
-Parts balconyModule();
+/// The modules: one window axis from the ground to the eaves; a balcony on brackets (far: its slab); a dormer.
+Parts bayModule(const House& house, BayKind kind, Detail detail = Detail::near);
+Parts balconyModule(Detail detail = Detail::near);
 Parts dormerModule();
 
 }  // namespace dapple::scenegen::city

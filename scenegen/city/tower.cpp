@@ -27,7 +27,7 @@ constexpr StyleOfTower kStyles[kTowerStyles] = {
 /// Sides 0 … 3 are front, right, rear, left, as the edges of its outline.
 class TowerBuilder {
 public:
-    TowerBuilder(const TowerKind& kind, uint64_t seed, bool detail)
+    TowerBuilder(const TowerKind& kind, uint64_t seed, Detail detail)
         : kind_(kind), style_(kStyles[kind.style]), detail_(detail),
           random_(seed, uint64_t(kind.width) << 32 | uint64_t(kind.depth) << 16 | uint64_t(kind.rise) << 8 | uint64_t(kind.style), kTowerPurpose) {}
 
@@ -78,6 +78,7 @@ private:
             Row row{z, z + up, style_.window, style_.fittings};
             if (i == 0) row.opening.sill += up - (street ? style_.groundFloor : style_.storey);
             if (shop) row.opening = {0.3, 0.3 + 0.6, 1.0, 0.35}, row.fittings = {true, false, false};
+            row.fittings.flush = detail_ == Detail::far;
             rows.push_back(row);
             z += up;
         }
@@ -87,20 +88,22 @@ private:
         for (Row& row : blank) row.opening = {};
         const std::array<glm::dvec2, 4> outline{{a, {b.x, a.y}, b, {a.x, b.y}}};
         std::array<int, 4> columns{};
-        if (!detail_) blank = {{floor, roof, {}, {}}};
+        if (detail_ == Detail::massing) blank = {{floor, roof, {}, {}}};
         for (size_t i = 0; i < 4; ++i) {
-            const bool windows = detail_ && open[i];
+            const bool windows = detail_ != Detail::massing && open[i];
             columns[i] = windows ? (i % 2 ? size.y : size.x) : 1;
             addWall(parts_, outline[i], outline[(i + 1) % 4], columns[i], windows ? rows : blank);
         }
         addLids(parts_.wall, outline, columns, floor, roof);
         top_ = roof;
-        if (!detail_) return;
+        if (detail_ == Detail::massing) return;
         addRing(parts_.wall, a + 0.02, b - 0.02, 0.28, roof - 0.1, roof + 0.95);
         addRing(parts_.trim, a - 0.04 + (street ? 0.07 : 0.0), b + 0.04 - (street ? 0.07 : 0.0), 0.4, roof + 0.93, roof + 1.05);
-        for (int i = 0; i < 4; ++i)
-            if (open[i]) addLedges(outline[size_t(i)], outline[size_t(i + 1) % 4], street, roof);
-        if (street) addShopFront(a, b);
+        if (detail_ == Detail::near) {
+            for (int i = 0; i < 4; ++i)
+                if (open[i]) addLedges(outline[size_t(i)], outline[size_t(i + 1) % 4], street, roof);
+            if (street) addShopFront(a, b);
+        }
         addRoofBoxes(a + 0.5, b - 0.5, roof, place.last);
     }
 
@@ -156,7 +159,7 @@ private:
 
     const TowerKind& kind_;
     const StyleOfTower& style_;
-    bool detail_;
+    Detail detail_;
     base::Random random_;
     double top_ = 0;
     Parts parts_;
@@ -164,6 +167,6 @@ private:
 
 }  // namespace
 
-Parts towerParts(const TowerKind& kind, uint64_t seed, bool detail) { return TowerBuilder(kind, seed, detail).build(); }
+Parts towerParts(const TowerKind& kind, uint64_t seed, Detail detail) { return TowerBuilder(kind, seed, detail).build(); }
 
 }  // namespace dapple::scenegen::city

@@ -21,7 +21,7 @@ struct TowerKind {
 };
 
 /// The outline's centre on the ground is the origin; the front looks to -y. Closed solids, by material. `seed` decides
-/// storeys and steps. Without `detail` it is massing: no windows, ledges or roof boxes.
-Parts towerParts(const TowerKind& kind, uint64_t seed, bool detail = true);
+/// storeys and steps. As massing it has no roof boxes either.
+Parts towerParts(const TowerKind& kind, uint64_t seed, Detail detail = Detail::near);
 
 }  // namespace dapple::scenegen::city

@@ -108,7 +108,7 @@ std::vector<glm::dvec3> scatter(const Species& species, double height, uint64_t 
     while (points.size() < wanted) {
         // Many at a time: their powers go abreast.
         drawn.clear(), widest.clear();
-        for (size_t i = 0; i < wanted; ++i) {
+        for (int i = 0; i < 96; ++i) {
             const glm::dvec3 p{radius * random.next(-1, 1), radius * random.next(-1, 1), foot + (height - foot) * random.next()};  // braces: in this order
             if (p.x * p.x + p.y * p.y >= radius * radius) continue;
             drawn.push_back(p);

@@ -192,7 +192,7 @@ TEST(Tower, everyKindIsClosedAndKeepsToItsOutline) {
                             for (int s = 0; s < 4; ++s) ASSERT_LT(beyond[s], m == &parts.wall || !open[s] ? 1e-4 : s == 0 ? 1.6 : 0.51) << "side " << s;
                         }
                     EXPECT_GT(top, 12);
-                    expectClosed(towerParts(kind, 11, false));
+                    expectClosed(towerParts(kind, 11, Detail::massing));
                 }
 }
 
@@ -200,7 +200,7 @@ TEST(Tower, tiersStepBack) {
     // Area of horizontal sections of the walls, counted on a grid by winding numbers, never grows with the height.
     const TowerKind kind{10, 10, true, true, true, 1, 2};
     for (uint64_t seed = 1; seed <= 4; ++seed) {
-        const Parts parts = towerParts(kind, seed, false);
+        const Parts parts = towerParts(kind, seed, Detail::massing);
         float top = 0;
         for (const glm::vec3& p : parts.wall.positions) top = std::max(top, p.z);
         int last = 1 << 30;

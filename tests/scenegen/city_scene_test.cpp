@@ -232,6 +232,38 @@ TEST_P(EveryCity, carsDriveClearOfWhatStandsInTheStreet) {
     }
 }
 
+TEST_P(EveryCity, housesFarFromEveryViewArePlainerAndOtherwiseTheSame) {
+    const std::vector<std::string> settings{"scale=0.06", "city.views=2"};
+    const Scene fine = loadScene(GetParam(), settings), plain = loadScene(GetParam(), {settings[0], settings[1], "city.nearDetail=90"});
+    ASSERT_EQ(fine.instances.size(), plain.instances.size());
+    size_t coarser = 0, before = 0, after = 0;
+    for (size_t k = 0; k < fine.instances.size(); ++k) {
+        const Instance &a = fine.instances[k], &b = plain.instances[k];
+        ASSERT_EQ(a.translation, b.translation);
+        ASSERT_EQ(a.yaw, b.yaw);
+        const Prototype &p = fine.prototypes[a.prototype], &q = plain.prototypes[b.prototype];
+        ASSERT_EQ(p.name, q.name);
+        ASSERT_EQ(p.closed, q.closed);
+        if (p.name.starts_with("street tree") ? p.triangles() <= 500 : !p.name.starts_with("bay") && !p.name.starts_with("balcony") && !p.name.starts_with("tower")) continue;
+        double distance = 1e300;
+        for (const View& v : fine.views) distance = std::min(distance, glm::distance(v.eye, glm::dvec3(a.translation)));
+        if (distance > 90 + 1e-3) {
+            EXPECT_LT(q.triangles(), p.triangles()) << p.name;
+            coarser += 1, before += p.triangles(), after += q.triangles();
+        } else if (distance < 90 - 1e-3) {
+            EXPECT_EQ(q.triangles(), p.triangles()) << p.name;
+        }
+        if (p.name.starts_with("balcony") || p.name.starts_with("street tree")) continue;
+        // Walls, setbacks and roofs stay: the box loses what stands out of the facade, at most a cornice or a canopy.
+        const dapple::base::Box x = p.box(), y = q.box();
+        EXPECT_NEAR(x.hi.z, y.hi.z, 0.005f) << p.name;
+        EXPECT_NEAR(x.lo.z, y.lo.z, 0.005f) << p.name;
+        EXPECT_LT(glm::length(glm::vec2(x.size()) - glm::vec2(y.size())), 2.5f) << p.name;
+    }
+    EXPECT_GT(coarser, 20u);
+    EXPECT_LT(double(after), 0.5 * double(before));
+}
+
 TEST_P(EveryCity, noBuildingCrossesAStreetOrANeighbour) {
     // By winding numbers about points of roadways and of the whole ground, in the built scene.
     const bool vienna = std::string(GetParam()) == "city-vienna";
