@@ -71,4 +71,10 @@ std::optional<base::ImageF> Renderer::candidates() {
     return frame_.readChannel(frame_.overdraw());
 }
 
+std::optional<size_t> Renderer::texelsReferenced() {
+    frame::PassObserver silent;
+    render(silent);
+    return technique_ ? technique_->countTexelsReferenced() : std::nullopt;
+}
+
 }  // namespace dapple::shadow

@@ -35,6 +35,8 @@ public:
     base::ImageF overdraw();
     /// Casters' volumes that hold each pixel's receiver; empty where the technique finds no candidate pixels.
     std::optional<base::ImageF> candidates();
+    /// Texels of the technique's maps that a frame's look-ups read, each once. Nothing where it does not tell. Renders a frame.
+    std::optional<size_t> texelsReferenced();
     size_t mapBytes() const { return technique_ ? technique_->mapBytes() : 0; }
 
 private:
