@@ -75,6 +75,17 @@ TEST(FarFieldPrediction, TheCutIsTheCheapestOfAll) {
         const size_t near = nearestAsVolumes(costs, perTriangle, fixed);
         ASSERT_LE(near, costs.size());
         for (size_t k = 0; k <= costs.size(); ++k) EXPECT_LE(total(near), total(k) + 1e-9);
+        double least = 1e300, chosen = 0;
+        bool whole = true;
+        const std::vector<bool> volumes = cheaperAsVolumes(costs, perTriangle, fixed);
+        ASSERT_EQ(volumes.size(), costs.size());
+        for (size_t i = 0; i < costs.size(); ++i) chosen += volumes[i] ? costs[i].fragments : perTriangle * costs[i].triangles, whole &= volumes[i];
+        for (size_t subset = 0; subset < size_t(1) << costs.size(); ++subset) {
+            double sum = subset + 1 == size_t(1) << costs.size() ? 0 : fixed;
+            for (size_t i = 0; i < costs.size(); ++i) sum += subset >> i & 1 ? costs[i].fragments : perTriangle * costs[i].triangles;
+            least = std::min(least, sum);
+        }
+        EXPECT_NEAR(chosen + (whole ? 0 : fixed), least, 1e-9);
         within += near > 0 && near < costs.size();
     }
     EXPECT_GT(within, 25u);
@@ -145,6 +156,13 @@ TEST_F(FarFieldImage, NoCasterIsLostBetween) {
             mixed += both.visibility != instanced.visibility && both.visibility != map.visibility;
         }
         EXPECT_GE(mixed, 3u);
+        mixed = 0;
+        for (const char* cost : {"10", "20", "40", "80", "160"}) {
+            const Image both = render(frame, "instanced", {{"far-field", "each"}, {"far-cost", cost}});
+            EXPECT_LE(error(both), std::max(error(instanced), error(map)) + 0.01) << sun << " " << cost;
+            mixed += both.visibility != instanced.visibility && both.visibility != map.visibility;
+        }
+        EXPECT_GE(mixed, 1u) << sun;
     }
 }
 
@@ -152,12 +170,15 @@ TEST_F(FarFieldImage, TheCostsThatItIsToldDecide) {
     const scenegen::Scene scene = scenegen::loadScene("forest-small", {"sun.elevation=8"});
     const gpuscene::GpuScene gpu(scene);
     frame::Frame frame(gpu, scene.views[scene.viewIndex("above")], 160, 120);
-    const Image dear = render(frame, "instanced", {{"far-field", "auto"}, {"far-cost", "1000000"}}), alone = render(frame, "instanced", {});
-    EXPECT_FALSE(dear.runs("far"));
-    EXPECT_EQ(dear.visibility, alone.visibility);
-    const Image free = render(frame, "instanced", {{"far-field", "auto"}, {"far-cost", "0"}}), map = render(frame, "cascaded", {});
-    EXPECT_TRUE(free.runs("far"));
-    EXPECT_EQ(free.visibility, map.visibility);
+    const Image alone = render(frame, "instanced", {}), map = render(frame, "cascaded", {});
+    for (const char* choice : {"auto", "each"}) {
+        const Image dear = render(frame, "instanced", {{"far-field", choice}, {"far-cost", "1000000"}});
+        EXPECT_FALSE(dear.runs("far"));
+        EXPECT_EQ(dear.visibility, alone.visibility);
+        const Image free = render(frame, "instanced", {{"far-field", choice}, {"far-cost", "0"}});
+        EXPECT_TRUE(free.runs("far"));
+        EXPECT_EQ(free.visibility, map.visibility);
+    }
 }
 
 TEST(FarFieldAxis, TakesWordsAndMetresAndRefusesWhatItCannotDo) {

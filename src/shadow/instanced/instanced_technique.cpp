@@ -64,9 +64,9 @@ public:
         if (far_) {
             casters_.collect(&*far_);
             if (!leftOut.empty()) farLeftOut = leftOut;
-            else if (!far_->any()) farLeftOut = is("far-field", "auto") ? "every caster is cheaper as a volume" : "no caster is so far";
+            else if (!far_->any()) farLeftOut = is("far-field", "auto") || is("far-field", "each") ? "every caster is cheaper as a volume" : "no caster is so far";
             splits_ = farLeftOut.empty();
-            passes.push_back({"far", {}, {}, "casters without volumes, those far from the eye", farLeftOut, [this](Ledger&) { casters_.collect(&*far_); }});
+            passes.push_back({"far", {}, {}, "which casters are drawn into maps instead of having volumes", farLeftOut, [this](Ledger&) { casters_.collect(&*far_); }});
         }
         if (maps_.maps().size() == maps_.types().size() && !is("rotations", "1"))
             passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
