@@ -233,6 +233,8 @@ private:
             figures.push_back(figure("", "candidates", double(std::count_if(n.begin(), n.end(), [](float v) { return v > 0; }))));
             figures.push_back(figure("", "candidates_mean", std::accumulate(n.begin(), n.end(), 0.0) / double(n.size())));
         }
+        if (const auto referenced = renderer_.texelsReferenced())
+            figures.push_back(figure("", "texels_referenced", double(*referenced)));
         return figures;
     }
 

@@ -97,15 +97,31 @@ vec2 texelOf(uint map) { return 2.0 / (casterMaps[map].square.w * casterMaps[map
 // Beside a map's square lies another's: outside of its own is the far plane.
 bool outside(vec4 square, vec2 texels) { return any(lessThan(texels, vec2(0.0))) || any(greaterThanEqual(texels, vec2(square.w))); }
 
+#ifdef MARK_TEXELS  // those that a look-up reads, for counters
+layout(r8ui, binding = 0) writeonly uniform uimage2DArray uMarks;
+void mark(vec4 square, vec2 texels) {
+    const float reach = FILTER == 0 ? 0.0 : FILTER == 1 ? 0.5 : 1.5;
+    ivec2 lo = max(ivec2(floor(texels - reach)), 0), hi = min(ivec2(floor(texels + reach)), int(square.w) - 1);
+    for (int y = lo.y; y <= hi.y; ++y)
+        for (int x = lo.x; x <= hi.x; ++x) imageStore(uMarks, ivec3(ivec2(square.xy) + ivec2(x, y), square.z), uvec4(1u));
+}
+#else
+#define mark(square, texels)
+#endif
+
 #if MODE == 2
 float depthIn(uint map, vec2 texels) {
     vec4 square = casterMaps[map].square;
-    return outside(square, texels) ? 1.0 : texelFetch(uMap, ivec3(square.xy + floor(texels), square.z), 0).r;
+    if (outside(square, texels)) return 1.0;
+    mark(square, texels);
+    return texelFetch(uMap, ivec3(square.xy + floor(texels), square.z), 0).r;
 }
 #else
 float litIn(uint map, vec3 s) {
     vec4 square = casterMaps[map].square;
-    return outside(square, s.xy) ? 1.0 : filtered(uMap, MapSquare(square.xyz, square.w, float(textureSize(uMap, 0).x)), s.xy, s.z);
+    if (outside(square, s.xy)) return 1.0;
+    mark(square, s.xy);
+    return filtered(uMap, MapSquare(square.xyz, square.w, float(textureSize(uMap, 0).x)), s.xy, s.z);
 }
 #endif
 

@@ -1,4 +1,7 @@
 // One look-up per pixel inside a bounding shadow volume; survivors are dark. Or, to count candidates, no look-up.
+#ifdef MARK_TEXELS
+layout(early_fragment_tests) in;
+#endif
 #include "lib/instanced_resolve.glsl"
 flat in uint vCaster;
 #ifdef COUNT_CANDIDATES

@@ -39,7 +39,7 @@ void Buffer::update(size_t bytes, const void* data) {
 
 size_t bytesPerTexel(GLenum format) {
     switch (format) {
-        case GL_R8: return 1;
+        case GL_R8: case GL_R8UI: return 1;
         case GL_RG8: case GL_DEPTH_COMPONENT16: case GL_R16F: return 2;
         case GL_RGBA8: case GL_SRGB8_ALPHA8: case GL_R32F: case GL_RG16F: case GL_RG16: case GL_R32UI:
         case GL_DEPTH_COMPONENT24: case GL_DEPTH_COMPONENT32F: return 4;

@@ -45,6 +45,7 @@ constexpr std::array kMetrics{
     MetricInfo{"occlusion_nodes_visited", "nodes", lower, false, "nodes of the hierarchy that the traversal looked at"},
     MetricInfo{"texels_allocated", "texels", lower, true, "texels of the technique's maps"},
     MetricInfo{"texels_in_use", "texels", lower, true, "texels of maps, without the gaps between them"},
+    MetricInfo{"texels_referenced", "texels", lower, true, "texels of instanced maps that the look-ups inside shadow volumes read, each once"},
     MetricInfo{"texels_written", "texels", lower, true, "texels of the maps that the frame cleared or rendered"},
     MetricInfo{"texture_bytes", "B", lower, true, "format x extent x layers x mips x samples of the technique's maps"},
     MetricInfo{"driver_bytes", "B", lower, false, "GPU memory that the technique took by the driver's own figure"},

@@ -94,9 +94,11 @@ const std::vector<Axis> kAxes{
     {"resolution", "texels along a side of an instanced map",
      {{"fixed", "size, for every map"},
       {"estimate", "the power of two between 16 and size that the map is asked for, measured on the receivers in sight"}}},
-    {"far-field", "where instanced shadows end and cascaded maps of the far casters begin: metres from the eye to a caster's centre",
-     {{"none", "every caster has a volume"}, {"auto", "where the predicted cost of both together is least"}}, 0, 1000000},
-    {"far-cost", "for far-field auto: what a triangle in the far casters' maps costs, in hundredths of what a pixel of a volume costs", {}, 0, 1000000},
+    {"far-field", "which casters are drawn into cascaded maps instead of having volumes: those whose centre is so many metres from the eye, or",
+     {{"none", "none"},
+      {"auto", "those beyond the distance at which the predicted cost of both together is least"},
+      {"each", "near or far, those whose own volume is predicted to cost more than their triangles"}}, 0, 1000000},
+    {"far-cost", "for far-field auto and each: what a triangle in the far casters' maps costs, in hundredths of what a pixel of a volume costs", {}, 0, 1000000},
     {"exact-casters", "closed opaque casters of at most so many triangles cast stencil shadow volumes, the others instanced maps", {}, 0, 1000000},
 };
 
@@ -112,7 +114,7 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 }
 
 Settings instancedPreset(const char* own) {
-    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"far-field", "none"}, {"far-cost", "500"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"far-field", "none"}, {"far-cost", "600"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
             {"cull", "frustum"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 
@@ -240,7 +242,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (!is("far-field", "none") && !volumes) return "volumes go on darkening what the far casters' maps have: apply zpass, zfail or skip";
         if (!is("far-field", "none") && is("accumulate", "stencil")) return "a stencil bit does not know what is dark in the far casters' maps: accumulate min or multiply";
         if (!is("far-field", "none") && facts.translucent) return "the far casters' maps take translucent casters for opaque: far-field none";
-        if (!is("far-field", "auto") && differs("far-cost")) return "only far-field auto predicts costs";
+        if (!is("far-field", "auto") && !is("far-field", "each") && differs("far-cost")) return "only far-field auto and each predict costs";
         if (is("resolution", "estimate") && (number("size") < 16 || !std::has_single_bit(unsigned(number("size")))))
             return "estimated sides are powers of two from 16 to size: size must be one";
         if (facts.translucent && is("accumulate", "min")) return "the darkest of several shadows is not what translucent casters let through: accumulate multiply";

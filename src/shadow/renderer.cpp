@@ -133,4 +133,16 @@ std::optional<base::ImageF> Renderer::candidates() {
     return counted(&Technique::countCandidates);
 }
 
+std::optional<size_t> Renderer::texelsReferenced() {
+    frame::PassObserver silent;
+    render(silent);
+    std::optional<size_t> sum;
+    for (size_t sun = 0; sun < techniques_.size(); ++sun)
+        if (techniques_[sun])
+            forSun(sun, [&] {
+                if (const auto texels = techniques_[sun]->countTexelsReferenced()) sum = sum.value_or(0) + *texels;
+            });
+    return sum;
+}
+
 }  // namespace dapple::shadow

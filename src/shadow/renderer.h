@@ -41,6 +41,8 @@ public:
     std::optional<base::ImageF> candidates();
     /// As Technique::queryStatistics(), with the camera's.
     std::vector<std::pair<std::string, visibility::Statistics>> queryStatistics() const;
+    /// Texels of the suns' maps that a frame's look-ups read, each once. Nothing where the technique does not tell. Renders a frame.
+    std::optional<size_t> texelsReferenced();
     size_t mapBytes() const;
 
 private:

@@ -63,6 +63,8 @@ public:
     /// frame.overdrawTarget(): what is counted are the candidate pixels of Buntin & Stamminger 2007, fig. 4, before any
     /// look-up. False: this technique, with these settings, finds no candidates.
     virtual bool countCandidates() { return false; }
+    /// Texels of texelsInUse() that the look-ups of the frame last rendered read, each once. Nothing: it does not tell.
+    virtual std::optional<size_t> countTexelsReferenced() { return std::nullopt; }
 };
 
 /// Allocates the technique's maps. Throws base::Error(failed) when there is no memory for them.

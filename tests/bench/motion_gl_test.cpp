@@ -85,7 +85,7 @@ TEST(Motion, ErrorsAreTheMeansOfScenesThatStandStill) {
     };
     PointSpec driving = at(3);
     driving.view = workbench().sceneFacts(driving.scene, driving.sceneSettings, {}).views.front();
-    driving.path = MotionPath{.secondsPerFrame = 2, .frames = 4};
+    driving.path = MotionPath{.frames = 4, .secondsPerFrame = 2};
     const auto moving = byMetric(workbench().open(driving)->errors());
     std::map<std::string, double> sums;
     for (int frame = 1; frame < 4; ++frame) {

@@ -93,5 +93,47 @@ TEST_F(Candidates, DoNotDependOnHowTheMapsAreApplied) {
     EXPECT_FALSE(uniform.candidates());
 }
 
+// Of one box's map, the texels that receivers within its volume project to, by the map's matrix in doubles.
+TEST(TexelsReferenced, AreThoseThatReceiversProjectTo) {
+    const gl::Context context = gl::Context::headless(-1);
+    const scenegen::Scene scene = scenegen::loadScene("box");
+    const gpuscene::GpuScene gpu(scene);
+    const auto caster = std::ranges::find_if(scene.instances, [&](const scenegen::Instance& i) { return scene.prototypes[i.prototype].castsShadow; });
+    std::vector<base::Box> boxes;
+    for (const scenegen::Prototype& prototype : scene.prototypes) boxes.push_back(prototype.box());
+    frame::Frame frame(gpu, scene.views.front(), 200, 150);
+    for (const int size : {32, 128}) {
+        Renderer renderer(frame, technique("instanced"), resolve(technique("instanced"), {{"size", std::to_string(size)}, {"mode", "exact"}}));
+        frame::PassObserver silent;
+        renderer.render(silent);
+        const auto referenced = renderer.texelsReferenced();
+        ASSERT_TRUE(referenced);
+        const truth::Receivers receivers = frame.readReceivers();
+        const glm::dmat4 clip = renderer.technique()->matrices().at(0).clipFromRelative;
+        const double pad = 2 * 1.5 * glm::length(glm::dvec3(boxes[caster->prototype].size())) / size;
+        std::vector<bool> surely(size_t(size) * size_t(size)), perhaps = surely;
+        for (size_t i = 0; i < receivers.present.size(); ++i) {
+            const glm::dvec3 p = glm::dvec3(receivers.position[i]) + frame.camera().eye;
+            if (!receivers.present[i] || glm::dot(glm::dvec3(receivers.normal[i]), frame.light()) >= -1e-3) continue;
+            if (boxesTowardsSun(scene, boxes, p, frame.light(), pad) == 0) continue;
+            const glm::dvec3 q = (p - glm::dvec3(caster->translation)) / double(caster->scale);
+            const glm::dvec2 texel = (glm::dvec2(clip * glm::dvec4(q, 1)) * 0.5 + 0.5) * double(size);
+            const auto at = [&](const glm::dvec2& t) { return size_t(std::clamp(t.y, 0.0, size - 1.0)) * size_t(size) + size_t(std::clamp(t.x, 0.0, size - 1.0)); };
+            perhaps[at(texel)] = true;
+            const glm::dvec2 within = texel - glm::floor(texel);
+            if (boxesTowardsSun(scene, boxes, p, frame.light(), 0) > 0 && glm::all(glm::greaterThan(within, glm::dvec2(0.02))) && glm::all(glm::lessThan(within, glm::dvec2(0.98)))) surely[at(texel)] = true;
+        }
+        EXPECT_GE(*referenced, size_t(std::ranges::count(surely, true)));
+        EXPECT_LE(*referenced, size_t(1.02 * double(std::ranges::count(perhaps, true))) + 2);
+        EXPECT_LE(*referenced, renderer.technique()->texelsInUse());
+        EXPECT_GT(*referenced, size_t(size * size / 20));
+        // A filter reads around them.
+        Renderer wide(frame, technique("instanced"), resolve(technique("instanced"), {{"size", std::to_string(size)}, {"mode", "exact"}, {"filter", "pcf3"}}));
+        EXPECT_GT(wide.texelsReferenced().value(), *referenced);
+    }
+    Renderer tiled(frame, technique("instanced"), resolve(technique("instanced"), {{"apply", "tiled"}}));
+    EXPECT_FALSE(tiled.texelsReferenced());
+}
+
 }  // namespace
 }  // namespace dapple::shadow

@@ -67,8 +67,19 @@ size_t nearestAsVolumes(std::span<const FarCost> costs, double perTriangle, doub
     return best;
 }
 
+std::vector<bool> cheaperAsVolumes(std::span<const FarCost> costs, double perTriangle, double fixed) {
+    double saved = -fixed;
+    std::vector<bool> volumes;
+    for (const FarCost& c : costs) {
+        volumes.push_back(c.fragments <= perTriangle * c.triangles);
+        if (!volumes.back()) saved += c.fragments - perTriangle * c.triangles;
+    }
+    return saved > 0 ? volumes : std::vector<bool>(costs.size(), true);
+}
+
 FarField::FarField(frame::Frame& frame, const CasterMaps& maps, const Settings& settings)
-    : frame_(frame), maps_(maps), predicts_(settings.at("far-field") == "auto"), distance_(predicts_ ? 0 : std::stod(settings.at("far-field"))),
+    : frame_(frame), maps_(maps), kind_(settings.at("far-field") == "auto" ? Kind::nearest : settings.at("far-field") == "each" ? Kind::each : Kind::distance),
+      distance_(kind_ == Kind::distance ? std::stod(settings.at("far-field")) : 0),
       perTriangle_(std::stod(settings.at("far-cost")) / 100) {
     Settings cascaded = shadow::technique("cascaded").defaults;
     for (const char* same : {"camera", "leaf", "batch", "assumed-visible", "bias", "bias-scale", "filter"}) cascaded[same] = settings.at(same);
@@ -94,18 +105,18 @@ void FarField::takeFar(std::vector<uint32_t>& casters, const Extrusion& extrusio
     std::vector<std::pair<double, uint32_t>> byDistance;
     for (const uint32_t i : casters) byDistance.emplace_back(glm::length(frame_.relativeBox(i).centre()), i);
     std::ranges::sort(byDistance);
-    size_t near = 0;
-    if (predicts_) {
-        std::vector<FarCost> costs;
+    std::vector<FarCost> costs;
+    if (kind_ != Kind::distance)
         for (const auto& [distance, i] : byDistance) costs.push_back(costOf(i, extrusion));
-        near = nearestAsVolumes(costs, perTriangle_, double(frame_.camera().width) * frame_.camera().height);
-    } else {
-        near = size_t(std::ranges::lower_bound(byDistance, distance_, {}, &std::pair<double, uint32_t>::first) - byDistance.begin());
-    }
+    const double lookUps = double(frame_.camera().width) * frame_.camera().height;
+    std::vector<bool> volumes(casters.size(), false);
+    if (kind_ == Kind::each) volumes = cheaperAsVolumes(costs, perTriangle_, lookUps);
+    else if (kind_ == Kind::nearest) std::fill_n(volumes.begin(), nearestAsVolumes(costs, perTriangle_, lookUps), true);
+    else for (size_t k = 0; k < volumes.size(); ++k) volumes[k] = byDistance[k].first < distance_;
     keepsVolume_.assign(frame_.scene().scene().instances.size(), false);
-    for (size_t k = 0; k < near; ++k) keepsVolume_[byDistance[k].second] = true;
-    any_ = near < casters.size();
+    for (size_t k = 0; k < volumes.size(); ++k) keepsVolume_[byDistance[k].second] = volumes[k];
     std::erase_if(casters, [&](uint32_t i) { return !keepsVolume_[i]; });
+    any_ = casters.size() < byDistance.size();
 }
 
 }  // namespace dapple::shadow

@@ -21,10 +21,12 @@ struct FarCost {
 /// How many casters, the nearest, keep their volumes so that Σ fragments over them, plus, unless that is all of them,
 /// `perTriangle` × Σ triangles over the others and `fixed`, is least. The most of several such.
 size_t nearestAsVolumes(std::span<const FarCost> costs, double perTriangle, double fixed);
+/// The same without regard to distance: which casters keep their volumes.
+std::vector<bool> cheaperAsVolumes(std::span<const FarCost> costs, double perTriangle, double fixed);
 
-/// Casters far from the eye are drawn into cascaded maps of the scene instead of having volumes: axes `far-field` and `far-cost`.
-/// Where hundreds of volumes lie over one another, as under a low sun, what they cost grows with the screen and not with the
-/// casters. Both darken one image, so that every pixel is shadowed by all casters.
+/// Casters far from the eye, or those whose volumes cost most, are drawn into cascaded maps of the scene instead of having
+/// volumes: axes `far-field` and `far-cost`. Where hundreds of volumes lie over one another, as under a low sun, what they cost
+/// grows with the screen and not with the casters. Both darken one image, so that every pixel is shadowed by all casters.
 class FarField {
 public:
     /// Throws base::Error(failed) when there is no memory for its maps.
@@ -44,8 +46,8 @@ private:
 
     const frame::Frame& frame_;
     const CasterMaps& maps_;
-    bool predicts_;        ///< `far-field` auto
-    double distance_ = 0;  ///< else metres
+    enum class Kind { distance, nearest, each } kind_;
+    double distance_ = 0;  ///< metres, of Kind::distance
     double perTriangle_;   ///< fragments
     bool any_ = false;
     std::vector<bool> keepsVolume_;  ///< by instance

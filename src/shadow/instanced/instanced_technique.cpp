@@ -64,9 +64,9 @@ public:
         if (far_) {
             casters_.collect(&*far_);
             if (!leftOut.empty()) farLeftOut = leftOut;
-            else if (!far_->any()) farLeftOut = is("far-field", "auto") ? "every caster is cheaper as a volume" : "no caster is so far";
+            else if (!far_->any()) farLeftOut = is("far-field", "auto") || is("far-field", "each") ? "every caster is cheaper as a volume" : "no caster is so far";
             splits_ = farLeftOut.empty();
-            passes.push_back({"far", {}, {}, "casters without volumes, those far from the eye", farLeftOut, [this](Ledger&) { casters_.collect(&*far_); }});
+            passes.push_back({"far", {}, {}, "which casters are drawn into maps instead of having volumes", farLeftOut, [this](Ledger&) { casters_.collect(&*far_); }});
         }
         if (maps_.maps().size() == maps_.types().size() && !is("rotations", "1"))
             passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
@@ -124,6 +124,23 @@ public:
     // Each volume is convex, so without a depth test it has one fragment per pixel, and membership alone decides.
     bool countCandidates() override { return countVolumes(candidates_, nullptr); }
 
+    std::optional<size_t> countTexelsReferenced() override {
+        const gl::Texture* atlas = map();
+        if (!atlas) return 0;
+        const gl::Texture marks(GL_R8UI, atlas->width(), atlas->height(), atlas->layers());
+        const GLuint none = 0;
+        glClearTexImage(marks.name(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
+        glBindImageTexture(0, marks.name(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R8UI);
+        std::vector<std::string> defines = volumeDefines();
+        defines.push_back("MARK_TEXELS");
+        if (!countVolumes(gl::Program("shadow/instanced.vert", "shadow/instanced.frag", defines), &frame_.depth())) return std::nullopt;
+        glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+        std::vector<uint8_t> texels(size_t(marks.width()) * size_t(marks.height()) * size_t(marks.layers()));
+        glPixelStorei(GL_PACK_ALIGNMENT, 1);
+        glGetTextureImage(marks.name(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, GLsizei(texels.size()), texels.data());
+        return size_t(std::ranges::count(texels, uint8_t(1)));
+    }
+
 private:
     bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
     bool masked() const { return is("cull", "mask"); }
@@ -158,12 +175,16 @@ private:
         return look;
     }
 
-    void makePrograms() {
-        const std::vector<std::string> look = lookUpDefines();
-        std::vector<std::string> volume = look;
+    std::vector<std::string> volumeDefines() const {
+        std::vector<std::string> volume = lookUpDefines();
         if (is("apply", "skip")) volume.push_back("SKIP_TEST");
         if (masked()) volume.push_back("MASKED");
         if (frame_.scene().facts().translucent) volume.push_back("TRANSLUCENT");
+        return volume;
+    }
+
+    void makePrograms() {
+        const std::vector<std::string> look = lookUpDefines(), volume = volumeDefines();
         if (is("apply", "tiled")) {
             resolve_ = gl::Program::compute("shadow/instanced_tiled.comp", look);
         } else if (is("apply", "all")) {
