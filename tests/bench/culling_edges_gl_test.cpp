@@ -96,5 +96,24 @@ TEST(LightAlongTheView, NoPixelChanges) {
     for (const char* technique : kMaps) expectSamePixels(zenith, technique, {});
 }
 
+// A map's near plane is that of its receivers, and what is before it is drawn at depth 0: one such caster hides all behind it.
+TEST(BeforeTheNearPlane, OneCasterHidesAnother) {
+    const scenegen::Sun sun{180, 60};
+    const scenegen::View at = look({0, 10, 1.7}, {0, 1, -0.1});
+    scenegen::Scene scene = square(sun, {at, at, at, at});
+    scene.instances.resize(1);
+    scene.prototypes.push_back({"slab", {scenegen::boxMesh({30, 30, 0.2f})}, true, true});
+    scene.prototypes.push_back({"crate", {scenegen::boxMesh({3, 3, 3})}, true, true});
+    const glm::dvec3 up = -sun.direction();
+    scene.instances.push_back({glm::vec3(glm::dvec3(0, 25, 0) + up * 60.0), 1, 0, 4});
+    for (int i = 0; i < 30; ++i) scene.instances.push_back({glm::vec3(glm::dvec3(-9 + i % 6 * 3, 16 + i / 6 * 3, 0) + up * 50.0), 1, 0, 5});
+    Walk walk(scene);
+    expectSamePixels(walk, "focused", {});
+    for (const shadow::Settings& axes : {shadow::Settings{{"cull", "chcpp"}, {"leaf", "1"}}, {{"cull", "hiz"}}}) {
+        walk.images("focused", axes);
+        EXPECT_EQ(walk.drawn->instances, 1u) << text(axes);
+    }
+}
+
 }  // namespace
 }  // namespace dapple::bench

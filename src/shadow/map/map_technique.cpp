@@ -48,7 +48,7 @@ public:
             Cascade& c = cascades_[size_t(i)];
             c.layer = map_.view(i);
             if (pyramid_) c.culling = std::make_unique<visibility::PyramidCulling>(items_, *pyramid_, i);
-            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true);
+            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true, kind_ == FitKind::lispsm, size_);
         }
         if (is("cull", "receivers")) mask_.emplace(frame, items_, settings, map_, defines);
     }
