@@ -115,5 +115,18 @@ TEST(BeforeTheNearPlane, OneCasterHidesAnother) {
     }
 }
 
+// Clusters draw an instance's triangles in another order, which may let another of several fragments at one depth win.
+TEST(Coplanar, ClustersChangeNoPixel) {
+    Walk walk("extreme-coplanar", {});
+    const std::vector<shadow::Settings> methods{{{"cull", "frustum"}, {"cluster", "2"}},
+                                                {{"cull", "chcpp"}, {"camera", "chcpp"}, {"cluster", "2"}, {"leaf", "4"}},
+                                                {{"cull", "receivers"}, {"camera", "chc"}, {"cluster", "2"}, {"leaf", "4"}},
+                                                {{"cull", "hiz"}, {"camera", "hiz"}, {"cluster", "2"}},
+                                                {{"cull", "pyramid"}, {"camera", "chcpp"}, {"cluster", "2"}}};
+    ASSERT_GT(walk.gpu.items(2).size(), 2 * walk.gpu.items().size());
+    for (const char* technique : kMaps)
+        for (const shadow::Settings& sampling : {shadow::Settings{}, {{"filter", "pcf3"}, {"bias", "normal-offset"}}}) expectSamePixels(walk, technique, sampling, methods);
+}
+
 }  // namespace
 }  // namespace dapple::bench
