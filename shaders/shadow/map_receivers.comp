@@ -1,4 +1,4 @@
-// Each visible receiver into the cells whose texels its look-up may read: of a pyramid's finest level, or of a mask (MASK).
+// Each visible receiver into the cells of the texels that its look-up may read: of a pyramid's finest level, or of a mask (MASK).
 #include "lib/map_lookup.glsl"
 #ifndef MASK
 #include "lib/receiver_key.glsl"
@@ -9,6 +9,7 @@ layout(r8, binding = 0) uniform restrict coherent image2DArray uReceivers;
 #else
 layout(r32ui, binding = 0) uniform restrict coherent uimage2DArray uReceivers;
 #endif
+const float kReach[3] = float[](0.5, 1.0, 2.0);  // nearest, 2x2, 3x3 with bilinear weights
 uniform vec2 uCells;  // a side of that level, cells; cells a texel
 
 void main() {
@@ -16,10 +17,14 @@ void main() {
     if (any(greaterThanEqual(pixel, textureSize(uDepth, 0)))) return;
     MapLookup at = mapLookup(pixel);
     if (!at.mapped) return;
-    // The kernel reads texel centres up to r + 1/2 from the place: their texels lie within r + 1.
-    float reach = KERNEL + 1.0;
-    ivec2 first = max(ivec2(floor((at.texels - reach) * uCells.y)), ivec2(0));
-    ivec2 last = min(ivec2(floor((at.texels + reach) * uCells.y)), ivec2(int(uCells.x) - 1));
+    // The look-up reads texels whose centres are so near the place on both axes (and a hair: hardware rounds that to 1/256 of a
+    // texel); a caster is drawn where it covers a centre. So the centres' cells are all that matters, on both sides where one
+    // falls on a border.
+    float reach = kReach[FILTER] + 1.0 / 64.0, size = uCells.x / uCells.y;
+    vec2 nearest = max(ceil(at.texels - reach - 0.5), vec2(0.0)), farthest = min(floor(at.texels + reach - 0.5), vec2(size - 1.0));
+    if (any(greaterThan(nearest, farthest))) return;
+    ivec2 first = max(ivec2(floor((nearest + 0.5) * uCells.y - 1e-3)), ivec2(0));
+    ivec2 last = min(ivec2(floor((farthest + 0.5) * uCells.y + 1e-3)), ivec2(int(uCells.x) - 1));
     for (int y = first.y; y <= last.y; ++y)
         for (int x = first.x; x <= last.x; ++x) {
             ivec3 cell = ivec3(x, y, at.layer);

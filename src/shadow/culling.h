@@ -13,13 +13,13 @@ namespace dapple::shadow {
 const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings& settings);
 
 /// For an axis `camera` or `cull` with the value `method`; not pyramid. `sun`: casters alone, nearest with the least depth.
-std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun);
+/// `warped`: the view's matrix is not affine. `pixels`: along the longer side of the view.
+std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun, bool warped, int pixels);
 
 /// Axis `camera`: what the G-buffer pass draws.
 class CameraCulling {
 public:
-    CameraCulling(const frame::Frame& frame, const Settings& settings)
-        : frame_(frame), everything_(settings.at("camera") == "none"), culling_(makeCulling(frame.scene(), settings, settings.at("camera"), false)) {}
+    CameraCulling(const frame::Frame& frame, const Settings& settings);
 
     /// For Frame::gbufferPass().
     frame::Frame::Culling culling();

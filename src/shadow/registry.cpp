@@ -201,6 +201,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
     if (info.defaults.contains("camera")) {
         const auto asks = [&](const char* axisName) { return is(axisName, "chc") || is(axisName, "chcpp") || is(axisName, "receivers"); };
         if (differs("leaf") && !asks("camera") && !asks("cull")) return "leaf is of the hierarchy that occlusion queries go through";
+        if (differs("cluster") && is("camera", "none") && !(settings.contains("cull") && !is("cull", "none"))) return "clusters are for what is culled";
         const bool coherent = is("camera", "chcpp") || is("cull", "chcpp") || is("cull", "receivers");
         if ((differs("batch") || differs("assumed-visible")) && !coherent) return "batch and assumed-visible are CHC++'s";
     }

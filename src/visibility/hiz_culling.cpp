@@ -1,30 +1,33 @@
 #include "visibility/hiz_culling.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace dapple::visibility {
 namespace {
 
-constexpr int kCells = 512;
+constexpr int kMostCells = 1024;
 
 }  // namespace
 
-HizCulling::HizCulling(const gpuscene::Items& items, bool castersOnly, bool reversed)
-    : table_(items.table(castersOnly)), reversed_(reversed), farthest_(GL_R32F, kCells, 1), nearest_(gl::makeSampler({})) {
+HizCulling::HizCulling(const gpuscene::Items& items, const Options& options)
+    : table_(items.table(options.castersOnly)), reversed_(options.reversed),
+      farthest_(GL_R32F, int(std::bit_floor(unsigned(std::min(options.pixels, kMostCells)))), 1), nearest_(gl::makeSampler({})) {
     const std::vector<uint32_t> none(table_.size(), 0);
     visible_ = gl::Buffer::of<uint32_t>(none);
-    const std::string sign = reversed ? "SIGN -1.0" : "SIGN 1.0";
-    first_ = gl::Program::compute("visibility/hiz_cull.comp", {sign});
-    second_ = gl::Program::compute("visibility/hiz_cull.comp", {sign, "SECOND"});
-    cells_ = gl::Program::compute("visibility/depth_cells.comp", {sign});
+    std::vector<std::string> defines{options.reversed ? "SIGN -1.0" : "SIGN 1.0"};
+    cells_ = gl::Program::compute("visibility/depth_cells.comp", defines);
+    if (options.warped) defines.push_back("WARPED");
+    first_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
+    defines.push_back("SECOND");
+    second_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
 }
 
 void HizCulling::choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, visible_.name());
-    program.set("uLevels", farthest_.levels());
-    program.set("uCells", float(farthest_.cells()));
+    farthest_.setCells(program, {frame.depth->width(), frame.depth->height()});
     program.set("uClip", glm::mat4(frame.view.clipFromRelative));
     program.set("uLeastW", float(frame.leastW));
-    // A pixel for the rasteriser's grid, and what floats round of a place.
-    program.set("uMargin", glm::vec2(kCells) / glm::vec2(frame.depth->width(), frame.depth->height()) + 1e-5f * float(kCells));
     // A perspective depth is as good as its distance; an orthographic one as good as its range.
     program.set("uSlack", reversed_ ? glm::vec2(1e-4, 0) : glm::vec2(0, 1e-5));
     farthest_.bind(0);
@@ -40,7 +43,8 @@ void HizCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
     glBindTextureUnit(0, frame.depth->name());
     glBindSampler(0, nearest_.name());
     glBindImageTexture(0, farthest_.texture().name(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32F);
-    glDispatchCompute(kCells / 8, kCells / 8, 1);
+    const auto groups = GLuint(farthest_.cells() + 7) / 8;
+    glDispatchCompute(groups, groups, 1);
     farthest_.reduce();
     choose(second_, frame, lists_[1]);
     submit(lists_[1]);

@@ -12,8 +12,13 @@ namespace dapple::visibility {
 /// The first frame, and one after a cut, draws little in its first phase, and is right all the same.
 class HizCulling final : public Culling {
 public:
-    /// `reversed`: depth 1 is near, and tested with GL_GREATER. `castersOnly`: leave out what casts no shadow.
-    HizCulling(const gpuscene::Items& items, bool castersOnly, bool reversed);
+    struct Options {
+        int pixels = 0;            ///< along the longer side of the view
+        bool castersOnly = false;  ///< leave out what casts no shadow
+        bool reversed = false;     ///< depth 1 is near, and tested with GL_GREATER
+        bool warped = false;       ///< the view's matrix is not affine
+    };
+    HizCulling(const gpuscene::Items& items, const Options& options);
 
     void draw(const ViewFrame& frame, const gpuscene::Submit& submit) override;
     std::vector<uint32_t> drawn() const override;

@@ -18,6 +18,8 @@ public:
     void reduce() const;
     /// Binds it to a texture unit.
     void bind(GLuint unit) const;
+    /// Sets uLevels, uCells and uMargin of lib/covered_cells.glsl, for what is drawn into an image of `pixels`.
+    void setCells(const gl::Program& program, const glm::vec2& pixels) const;
 
 private:
     int levels_ = 0;

@@ -13,7 +13,7 @@ constexpr int kMostCells = 1024;
 
 ReceiverPyramid::ReceiverPyramid(int mapSize, int layers, bool warped)
     : mapSize_(mapSize), pyramid_(GL_R32UI, int(std::bit_floor(unsigned(std::min(mapSize, kMostCells)))), layers) {
-    cull_ = gl::Program::compute("visibility/receiver_cull.comp", warped ? std::vector<std::string>{"CELLS 16", "WARPED"} : std::vector<std::string>{"CELLS 16"});
+    cull_ = gl::Program::compute("visibility/receiver_cull.comp", warped ? std::vector<std::string>{"WARPED"} : std::vector<std::string>{});
 }
 
 void ReceiverPyramid::clear() {
@@ -33,13 +33,10 @@ base::ImageF ReceiverPyramid::mask(int layer) const {
 
 void ReceiverPyramid::choose(const gpuscene::ItemTable& table, const gpuscene::ItemTable::Groups& groups, int layer, const ViewFrame& frame, gpuscene::DrawList& list) const {
     cull_.set("uLayer", layer);
-    cull_.set("uLevels", pyramid_.levels());
-    cull_.set("uCells", float(cells()));
     cull_.set("uClip", glm::mat4(frame.view.clipFromRelative));
     cull_.set("uLeastW", float(frame.leastW));
-    // A texel for the rasteriser's grid, and a part of a cell for what floats round of a place in it.
-    cull_.set("uMargin", float(cells()) / float(mapSize_) + 1e-5f * float(cells()));
-    cull_.set("uDepthSlack", 1e-5f);
+    pyramid_.setCells(cull_, glm::vec2(float(mapSize_)));
+    cull_.set("uSlack", glm::vec2(0, 1e-5f));
     pyramid_.bind(0);
     table.choose(cull_, frame.view.eye, groups, list);
 }

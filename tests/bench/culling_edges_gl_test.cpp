@@ -96,5 +96,37 @@ TEST(LightAlongTheView, NoPixelChanges) {
     for (const char* technique : kMaps) expectSamePixels(zenith, technique, {});
 }
 
+// A map's near plane is that of its receivers, and what is before it is drawn at depth 0: one such caster hides all behind it.
+TEST(BeforeTheNearPlane, OneCasterHidesAnother) {
+    const scenegen::Sun sun{180, 60};
+    const scenegen::View at = look({0, 10, 1.7}, {0, 1, -0.1});
+    scenegen::Scene scene = square(sun, {at, at, at, at});
+    scene.instances.resize(1);
+    scene.prototypes.push_back({"slab", {scenegen::boxMesh({30, 30, 0.2f})}, true, true});
+    scene.prototypes.push_back({"crate", {scenegen::boxMesh({3, 3, 3})}, true, true});
+    const glm::dvec3 up = -sun.direction();
+    scene.instances.push_back({glm::vec3(glm::dvec3(0, 25, 0) + up * 60.0), 1, 0, 4});
+    for (int i = 0; i < 30; ++i) scene.instances.push_back({glm::vec3(glm::dvec3(-9 + i % 6 * 3, 16 + i / 6 * 3, 0) + up * 50.0), 1, 0, 5});
+    Walk walk(scene);
+    expectSamePixels(walk, "focused", {});
+    for (const shadow::Settings& axes : {shadow::Settings{{"cull", "chcpp"}, {"leaf", "1"}}, {{"cull", "hiz"}}}) {
+        walk.images("focused", axes);
+        EXPECT_EQ(walk.drawn->instances, 1u) << text(axes);
+    }
+}
+
+// Clusters draw an instance's triangles in another order, which may let another of several fragments at one depth win.
+TEST(Coplanar, ClustersChangeNoPixel) {
+    Walk walk("extreme-coplanar", {});
+    const std::vector<shadow::Settings> methods{{{"cull", "frustum"}, {"cluster", "2"}},
+                                                {{"cull", "chcpp"}, {"camera", "chcpp"}, {"cluster", "2"}, {"leaf", "4"}},
+                                                {{"cull", "receivers"}, {"camera", "chc"}, {"cluster", "2"}, {"leaf", "4"}},
+                                                {{"cull", "hiz"}, {"camera", "hiz"}, {"cluster", "2"}},
+                                                {{"cull", "pyramid"}, {"camera", "chcpp"}, {"cluster", "2"}}};
+    ASSERT_GT(walk.gpu.items(2).size(), 2 * walk.gpu.items().size());
+    for (const char* technique : kMaps)
+        for (const shadow::Settings& sampling : {shadow::Settings{}, {{"filter", "pcf3"}, {"bias", "normal-offset"}}}) expectSamePixels(walk, technique, sampling, methods);
+}
+
 }  // namespace
 }  // namespace dapple::bench

@@ -49,7 +49,7 @@ public:
             c.layer = map_.view(i);
             if (pyramid_) c.culling = std::make_unique<visibility::PyramidCulling>(items_, *pyramid_, i);
             else if (casts) c.culling = std::make_unique<visibility::ListCulling>(items_, true, casts);
-            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true);
+            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true, kind_ == FitKind::lispsm, size_);
         }
         if (is("cull", "receivers")) mask_.emplace(frame, items_, settings, map_, defines);
     }

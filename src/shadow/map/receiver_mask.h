@@ -10,7 +10,7 @@ namespace dapple::shadow {
 
 /// Masks of visible receivers in the windows of shadow maps (Mattausch, Bittner, Silvennoinen, Scherzer, Wimmer 2011,
 /// "Efficient Online Visibility for Shadow Maps", section 1.3.2): occlusion queries of casters count only there. One mask a
-/// map, at most 512 cells a side, set wherever a look-up may read; how it is found is axis `mask`.
+/// map, at most 1024 cells a side, set wherever a look-up may read; how it is found is axis `mask`.
 class ReceiverMask {
 public:
     /// `map`: the array of maps, whose layers the rasterised masks are drawn into as well. `lookupDefines`: of lib/map_lookup.glsl.
