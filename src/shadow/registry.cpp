@@ -94,7 +94,7 @@ const std::vector<Axis> kAxes{
     {"resolution", "texels along a side of an instanced map",
      {{"fixed", "size, for every map"},
       {"estimate", "the power of two between 16 and size that the map is asked for, measured on the receivers in sight"}}},
-    {"far-field", "which casters are drawn into cascaded maps instead of having volumes: those whose centre is so many metres from the eye, or",
+    {"far-field", "which casters are drawn into cascaded maps instead of having volumes; a number: those whose centre is so many metres or more from the eye",
      {{"none", "none"},
       {"auto", "those beyond the distance at which the predicted cost of both together is least"},
       {"each", "near or far, those whose own volume is predicted to cost more than their triangles"}}, 0, 1000000},
