@@ -33,13 +33,14 @@ Cage cageOf(const Species& species, const Stem& stem, int coarser) {
 template <class Candidate>
 std::vector<bool> thin(const Skeleton& skeleton, const std::vector<bool>& kept, size_t share, size_t of, Candidate candidate) {
     std::vector<bool> result = kept;
-    size_t seen = 0;
+    size_t sum = 0;
     for (size_t i = 0; i < kept.size(); ++i) {
         const Stem& stem = skeleton.stems[i];
         if (stem.parent >= 0 && !result[size_t(stem.parent)]) result[i] = false;
         if (!result[i] || !candidate(stem)) continue;
-        result[i] = (seen + 1) * share / of != seen * share / of;
-        ++seen;
+        sum += share;
+        result[i] = sum >= of;
+        if (sum >= of) sum -= of;
     }
     return result;
 }
