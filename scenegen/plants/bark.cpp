@@ -90,7 +90,7 @@ BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget, int
             if (!kept[i]) continue;
             const Stem& stem = skeleton.stems[i];
             // Most stems are twigs of one kind.
-            if (!last || stem.level != last->level || stem.ringCount != last->ringCount) triangles = cageOf(species, *(last = &stem), coarser).triangles();
+            if (!last || !stem.isLike(*last)) triangles = cageOf(species, *(last = &stem), coarser).triangles();
             (isTwig(stem) ? twigs : isLimb(stem) ? limbs : trunks) += triangles;
         }
     };
@@ -120,9 +120,15 @@ BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget, int
 
 Mesh buildBark(const Species& species, const Skeleton& skeleton, const BarkPlan& plan) {
     std::map<std::tuple<int, int, int>, std::vector<uint32_t>> groups;  // by topology
+    const Stem* last = nullptr;
+    std::vector<uint32_t>* group = nullptr;
     for (const uint32_t i : plan.kept) {
-        const Cage cage = cageOf(species, skeleton.stems[i], plan.coarser);
-        groups[{cage.sides, cage.rings, cage.refine}].push_back(i);
+        const Stem& stem = skeleton.stems[i];
+        if (!last || !stem.isLike(*last)) {
+            const Cage cage = cageOf(species, *(last = &stem), plan.coarser);
+            group = &groups[{cage.sides, cage.rings, cage.refine}];
+        }
+        group->push_back(i);
     }
     size_t vertices = 0, indices = 0, most = 0;
     for (const auto& [key, stems] : groups) {

@@ -83,7 +83,7 @@ inline void powers(std::span<double> x, double y) {
             whole[i] = Pair{std::floor(product[0] + 0.5), std::floor(product[1] + 0.5)};
             power[i] = (product - whole[i]) * 0.69314718055994530942;
         }
-        for (size_t i = 0; i < pairs; ++i) power[i] = base::det::expNearZero(power[i]);
+        base::det::expNearZero(power, pairs);
         for (size_t i = 0; i < n; ++i) from[i] = from[i] > 0 ? std::ldexp(power[i / 2][i % 2], int(whole[i / 2][i % 2])) : 0;
     }
 }
