@@ -33,13 +33,14 @@ Cage cageOf(const Species& species, const Stem& stem, int coarser) {
 template <class Candidate>
 std::vector<bool> thin(const Skeleton& skeleton, const std::vector<bool>& kept, size_t share, size_t of, Candidate candidate) {
     std::vector<bool> result = kept;
-    size_t seen = 0;
+    size_t sum = 0;
     for (size_t i = 0; i < kept.size(); ++i) {
         const Stem& stem = skeleton.stems[i];
         if (stem.parent >= 0 && !result[size_t(stem.parent)]) result[i] = false;
         if (!result[i] || !candidate(stem)) continue;
-        result[i] = (seen + 1) * share / of != seen * share / of;
-        ++seen;
+        sum += share;
+        result[i] = sum >= of;
+        if (sum >= of) sum -= of;
     }
     return result;
 }
@@ -89,7 +90,7 @@ BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget, int
             if (!kept[i]) continue;
             const Stem& stem = skeleton.stems[i];
             // Most stems are twigs of one kind.
-            if (!last || stem.level != last->level || stem.ringCount != last->ringCount) triangles = cageOf(species, *(last = &stem), coarser).triangles();
+            if (!last || !stem.isLike(*last)) triangles = cageOf(species, *(last = &stem), coarser).triangles();
             (isTwig(stem) ? twigs : isLimb(stem) ? limbs : trunks) += triangles;
         }
     };
@@ -119,9 +120,15 @@ BarkPlan planBark(const Species& species, Skeleton& skeleton, size_t budget, int
 
 Mesh buildBark(const Species& species, const Skeleton& skeleton, const BarkPlan& plan) {
     std::map<std::tuple<int, int, int>, std::vector<uint32_t>> groups;  // by topology
+    const Stem* last = nullptr;
+    std::vector<uint32_t>* group = nullptr;
     for (const uint32_t i : plan.kept) {
-        const Cage cage = cageOf(species, skeleton.stems[i], plan.coarser);
-        groups[{cage.sides, cage.rings, cage.refine}].push_back(i);
+        const Stem& stem = skeleton.stems[i];
+        if (!last || !stem.isLike(*last)) {
+            const Cage cage = cageOf(species, *(last = &stem), plan.coarser);
+            group = &groups[{cage.sides, cage.rings, cage.refine}];
+        }
+        group->push_back(i);
     }
     size_t vertices = 0, indices = 0, most = 0;
     for (const auto& [key, stems] : groups) {

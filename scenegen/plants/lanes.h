@@ -64,27 +64,26 @@ inline PairSinCos sinCos(Pair x) {
             reinterpret_cast<Pair>(((bs & odd) | (bc & ~odd)) ^ signOf(quadrant + 1))};
 }
 
-/// x to the y as det::pow gives it, for each x in place. A power is one long chain of quotients: those of eight numbers, in four pairs, go abreast.
+/// x to the y as det::pow gives it, for each x in place. A power is one long chain of quotients: those of sixteen numbers, in eight pairs, go abreast.
 inline void powers(std::span<double> x, double y) {
-    constexpr size_t kAbreast = 8;
+    constexpr size_t kAbreast = 16;
     for (size_t begin = 0; begin < x.size(); begin += kAbreast) {
-        const size_t n = std::min(kAbreast, x.size() - begin);
+        const size_t n = std::min(kAbreast, x.size() - begin), pairs = (n + 1) / 2;
         double* const from = x.data() + begin;
-        double m[kAbreast], scale[kAbreast] = {};
-        std::fill(m, m + kAbreast, 1.0);
+        double m[kAbreast], scale[kAbreast];
+        m[2 * pairs - 1] = 1, scale[2 * pairs - 1] = 0;
         for (size_t i = 0; i < n; ++i) {
             int exponent = 0;
-            if (from[i] > 0) m[i] = base::det::partsForLog2(from[i], exponent);
+            m[i] = from[i] > 0 ? base::det::partsForLog2(from[i], exponent) : 1;
             scale[i] = exponent;
         }
-        Pair product[kAbreast / 2], whole[kAbreast / 2];
-        for (size_t i = 0; i < kAbreast / 2; ++i) {
-            product[i] = y * base::det::log2OfParts(loadPair(m + 2 * i), loadPair(scale + 2 * i));
-            whole[i] = Pair{std::floor(product[i][0] + 0.5), std::floor(product[i][1] + 0.5)};
-            product[i] = (product[i] - whole[i]) * 0.69314718055994530942;
+        Pair power[kAbreast / 2], whole[kAbreast / 2];
+        for (size_t i = 0; i < pairs; ++i) {
+            const Pair product = y * base::det::log2OfParts(loadPair(m + 2 * i), loadPair(scale + 2 * i));
+            whole[i] = Pair{std::floor(product[0] + 0.5), std::floor(product[1] + 0.5)};
+            power[i] = (product - whole[i]) * 0.69314718055994530942;
         }
-        Pair power[kAbreast / 2];
-        for (size_t i = 0; i < kAbreast / 2; ++i) power[i] = base::det::expNearZero(product[i]);
+        base::det::expNearZero(power, pairs);
         for (size_t i = 0; i < n; ++i) from[i] = from[i] > 0 ? std::ldexp(power[i / 2][i % 2], int(whole[i / 2][i % 2])) : 0;
     }
 }

@@ -45,6 +45,9 @@ struct Stem {
     /// retreats at a cap (vertices of valence 3) by a quarter of the cage's last segment.
     glm::dvec3 cageCentre(size_t i) const;
 
+    /// Its mesh has the topology of the other's.
+    bool isLike(const Stem& other) const { return level == other.level && ringCount == other.ringCount; }
+
     /// On the axis of the mesh: a uniform cubic B-spline along the stem, or its chords. `offset` is clamped.
     StemPoint at(double offset) const;
 };

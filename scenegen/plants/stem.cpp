@@ -1,6 +1,7 @@
 #include "scenegen/plants/frames.h"
 
 #include <algorithm>
+#include <memory>
 
 namespace dapple::scenegen {
 
@@ -72,16 +73,16 @@ void thinRings(Skeleton& skeleton) {
     for (const Stem& stem : skeleton.stems)
         if (stem.parent >= 0) bears[size_t(stem.parent)] = true;
     std::vector<glm::dvec3> moved(skeleton.stems.size(), glm::dvec3(0));
-    std::vector<Stem> before(skeleton.stems.size());  // of those that bear others
+    std::vector<std::unique_ptr<const Stem>> before(skeleton.stems.size());  // of those that bear others
     for (size_t i = 0; i < skeleton.stems.size(); ++i) {
         Stem& stem = skeleton.stems[i];
         stem.ringCount = stem.ringCount / 2 + 1;
         if (stem.rings.empty()) continue;
         if (stem.parent >= 0) {
             const auto parent = size_t(stem.parent);
-            moved[i] = StemAxis(skeleton.stems[parent]).centre(stem.parentOffset) - StemAxis(before[parent]).centre(stem.parentOffset);
+            moved[i] = StemAxis(skeleton.stems[parent]).centre(stem.parentOffset) - StemAxis(*before[parent]).centre(stem.parentOffset);
         }
-        if (bears[i]) before[i] = stem;
+        if (bears[i]) before[i] = std::make_unique<const Stem>(stem);
         std::vector<Ring>& rings = stem.rings;
         for (size_t r = 0; r < stem.ringCount; ++r) rings[r] = rings[std::min(2 * r, rings.size() - 1)];
         rings.erase(rings.begin() + long(stem.ringCount), rings.end());

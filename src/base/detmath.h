@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 /// Elementary functions built from + - * / and sqrt only, which IEEE 754 rounds the same everywhere: libm's
 /// differ in the last bit between versions, and a scene must be the same bytes from every compiler. Angles are
@@ -42,17 +43,22 @@ inline SinCos sinCos(double x) {
 inline double sin(double x) { return sinCos(x).sin; }
 inline double cos(double x) { return sinCos(x).cos; }
 
-/// Taylor polynomial of e to the y, |y| ≤ ln 2 / 2.
+/// Taylor polynomials of e to each of at most 8 y, |y| ≤ ln 2 / 2, in their place: of quotients that each wait for the one before, several go abreast.
 template <class Real>
-inline Real expNearZero(Real y) {
-    Real sum = 1.0 + y * 0.0;
-    for (int i = 14; i >= 1; --i) sum = 1.0 + sum * y / static_cast<double>(i);
-    return sum;
+inline void expNearZero(Real* y, std::size_t count) {
+    constexpr std::size_t kMost = 8;
+    Real sum[kMost];
+    for (std::size_t k = 0; k < count; ++k) sum[k] = 1.0 + y[k] * 0.0;
+    for (int i = 14; i >= 1; --i)
+        for (std::size_t k = 0; k < count; ++k) sum[k] = 1.0 + sum[k] * y[k] / static_cast<double>(i);
+    for (std::size_t k = 0; k < count; ++k) y[k] = sum[k];
 }
 
 inline double exp2(double x) {
     const double k = std::floor(x + 0.5);
-    return std::ldexp(expNearZero((x - k) * 0.69314718055994530942), static_cast<int>(k));
+    double y = (x - k) * 0.69314718055994530942;
+    expNearZero(&y, 1);
+    return std::ldexp(y, static_cast<int>(k));
 }
 
 /// log2 of m, √½ ≤ m < √2, and of 2 to the exponent.

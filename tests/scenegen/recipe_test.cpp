@@ -7,6 +7,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
+#include <set>
+#include <tuple>
 
 using namespace dapple::scenegen;
 using dapple::base::UsageError;
@@ -116,10 +119,111 @@ TEST(Library, walkersHaveClearSight) {
 }
 
 TEST(Library, factsOfTheExtremes) {
+    EXPECT_EQ(loadScene("nothing").facts().triangles, 0u);
     EXPECT_FALSE(loadScene("nothing").facts().receivers);
     EXPECT_FALSE(loadScene("empty").facts().casters);
     EXPECT_TRUE(loadScene("empty").facts().receivers);
     for (const char* name : {"box", "sphere", "slab"}) EXPECT_TRUE(loadScene(name).facts().closed) << name;
+
+    // Casters: instances, and the size of the smallest one's box.
+    const auto casters = [](const Scene& scene) {
+        size_t count = 0;
+        glm::vec3 least(std::numeric_limits<float>::infinity());
+        for (const Instance& i : scene.instances) {
+            const Prototype& p = scene.prototypes[i.prototype];
+            if (!p.castsShadow) continue;
+            ++count;
+            least = glm::min(least, 2.0f * p.box().halfSize());
+        }
+        return std::pair(count, least);
+    };
+    // To the grid of a box a metre high, which is 1/16 mm.
+    const auto near = [](const glm::vec3& a, const glm::vec3& b) { return glm::all(glm::lessThan(glm::abs(a - b), glm::vec3(0.03f) * b)); };
+    const auto needles = casters(loadScene("extreme-needles")), single = casters(loadScene("extreme-single")), tiny = casters(loadScene("extreme-millimetre"));
+    EXPECT_EQ(needles.first, 2000u);
+    EXPECT_TRUE(near(needles.second, {0.002f, 0.002f, 1.5f}));
+    EXPECT_EQ(single.first, 1u);
+    EXPECT_TRUE(near(single.second, {0.001f, 0.001f, 1}));
+    EXPECT_EQ(tiny.first, 1u);
+    EXPECT_TRUE(near(tiny.second, glm::vec3(0.001f)));
+    const dapple::base::Box wide = loadScene("extreme-100km").facts().box;
+    EXPECT_GE(wide.hi.x - wide.lo.x, 99'999);
+    EXPECT_GE(wide.hi.y - wide.lo.y, 99'999);
+    EXPECT_GE(glm::length(glm::dvec2(loadScene("extreme-far-origin").origin)), 1e6);
+
+    const Scene crowd = loadScene("extreme-crowd");
+    EXPECT_EQ(casters(crowd).first, 100'000u);
+    std::set<std::tuple<float, float, float>> places;
+    for (const Instance& i : crowd.instances)
+        if (crowd.prototypes[i.prototype].castsShadow) places.emplace(i.translation.x, i.translation.y, i.translation.z);
+    EXPECT_EQ(places.size(), 1u);
+}
+
+TEST(Library, sliversHaveNoAreaAndLayersShareTheirPlanes) {
+    size_t flat = 0;
+    for (const Prototype& p : loadScene("extreme-slivers").prototypes)
+        for (const Mesh& m : p.meshes)
+            for (size_t i = 0; i < m.indices.size(); i += 3) {
+                const glm::dvec3 a = m.positions[m.indices[i]], b = m.positions[m.indices[i + 1]], c = m.positions[m.indices[i + 2]];
+                // The middle of a side is on it but for its rounding to the grid.
+                flat += glm::length(glm::cross(b - a, c - a)) <= 2e-3 * (glm::length(b - a) + glm::length(c - a));
+            }
+    EXPECT_EQ(flat, 10'000u);
+
+    // Of boxes, which planes of an axis two share where they overlap in the others.
+    const Scene layers = loadScene("extreme-coplanar");
+    std::vector<dapple::base::Box> boxes;
+    for (const Instance& i : layers.instances)
+        if (layers.prototypes[i.prototype].castsShadow) boxes.push_back(instanceBox(layers.prototypes[i.prototype].box(), i));
+    std::set<std::pair<int, bool>> shared;  // axis, upper side
+    size_t onGround = 0;
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        onGround += boxes[i].lo.z == 0;
+        for (size_t k = 0; k < i; ++k)
+            for (int axis = 0; axis < 3; ++axis) {
+                const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+                const auto overlap = [&](int c) { return std::min(boxes[i].hi[c], boxes[k].hi[c]) > std::max(boxes[i].lo[c], boxes[k].lo[c]); };
+                if (!overlap(u) || !overlap(v)) continue;
+                if (boxes[i].hi[axis] == boxes[k].hi[axis]) shared.emplace(axis, true);
+                if (boxes[i].lo[axis] == boxes[k].lo[axis]) shared.emplace(axis, false);
+            }
+    }
+    EXPECT_TRUE(shared.contains({2, true})) << "tops";
+    EXPECT_GE(onGround, 1u);
+    EXPECT_GE(shared.size(), 3u) << "tops, feet and a side";
+}
+
+/// What is scattered or laid out grows with the area; what is placed by hand stays as it is, and so does ground that was surveyed.
+TEST(Library, scaleMultipliesWhatIsScattered) {
+    const auto casting = [](const Scene& scene) {
+        double triangles = 0;
+        for (const Instance& i : scene.instances)
+            if (const Prototype& p = scene.prototypes[i.prototype]; p.castsShadow && !p.name.starts_with("terrain")) triangles += double(p.triangles());
+        return triangles;
+    };
+    const std::set<std::string> grow{"city-manhattan", "city-vienna", "city-vienna-night", "forest-105", "forest-card", "forest-small",
+                                     "forest-two-suns", "jacksboro", "level-outdoor"};
+    size_t seen = 0;
+    for (const SceneEntry& entry : listScenes()) {
+        SCOPED_TRACE(entry.name);
+        const double small = casting(loadScene(entry.name, {"scale=0.05"})), large = casting(loadScene(entry.name, {"scale=0.2"}));
+        if (!grow.contains(entry.name)) {
+            EXPECT_EQ(small, large);
+            continue;
+        }
+        ++seen;
+        // Whole trees: a small forest's 1.25 become one. A city's edge has no streets beyond it.
+        EXPECT_GT(large / small, 3);
+        EXPECT_LT(large / small, 5.1);
+    }
+    EXPECT_EQ(seen, grow.size());
+}
+
+/// Files that recipes name are height maps and footprints, never recipes: there is no way round in a circle.
+TEST(Recipe, itselfIsNoHeightMapAndNoFootprints) {
+    const std::string file = "file = \"recipe_under_test.toml\"\n", footprints = "footprints = \"recipe_under_test.toml\"\n";
+    for (const std::string& table : {"[terrain]\n" + file, "[city]\n" + footprints})
+        EXPECT_THAT(errorOf([&] { load("description = \"x\"\n" + table); }), HasSubstr("recipe_under_test.toml")) << table;
 }
 
 TEST(Recipe, originMovesNothingElse) {
