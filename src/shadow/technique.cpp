@@ -10,7 +10,7 @@ namespace dapple::shadow {
 
 double kernelRadius(const Settings& settings) {
     const std::string& filter = settings.at("filter");
-    return filter == "nearest" ? 0 : filter == "pcf2" ? 0.5 : 1;
+    return filter == "nearest" ? 0 : filter == "pcf2" ? 0.5 : 1.5;
 }
 
 std::vector<std::string> samplingDefines(const Settings& settings) {

@@ -71,7 +71,7 @@ public:
 std::unique_ptr<Technique> makeTechnique(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings);
 
 /// Half-width r of a filter's kernel in texels, so that it reads texel centres up to r + ½ from the receiver:
-/// 0 nearest, ½ the hardware's 2×2, 1 for 3×3 with bilinear weights.
+/// 0 nearest, ½ the hardware's 2×2, 1½ for 3×3 with bilinear weights, which has 4×4 texels.
 double kernelRadius(const Settings& settings);
 /// #define lines for lib/bias.glsl and lib/filter.glsl.
 std::vector<std::string> samplingDefines(const Settings& settings);
