@@ -160,59 +160,24 @@ Facts Scene::facts() const {
 
 uint64_t Scene::contentHash() const {
     base::Hasher h;
-    h.value(origin);
+    const auto add = [&](const auto&... values) { (h.value(values), ...); };
+    add(origin);
     for (const Texture& t : textures) {
-        h.value(t.image.width);
-        h.value(t.image.height);
+        add(t.image.width, t.image.height);
         h.array(std::span<const uint8_t>(t.image.texels));
     }
-    for (const Material& m : materials) {
-        h.value(m.albedo);
-        h.value(m.specular);
-        h.value(m.shininess);
-        h.value(m.texture);
-        h.value(m.alphaTested);
-        h.value(m.doubleSided);
-    }
+    for (const Material& m : materials) add(m.albedo, m.specular, m.shininess, m.texture, m.alphaTested, m.doubleSided);
     for (const Prototype& p : prototypes) {
-        h.value(p.castsShadow);
-        h.value(p.closed);
-        if (p.transmittance > 0) h.value(p.transmittance);
+        add(p.castsShadow, p.closed);
+        if (p.transmittance > 0) add(p.transmittance);
         for (const Mesh& mesh : p.meshes) hashMesh(h, mesh);
     }
     h.array(std::span<const Instance>(instances));
-    for (const View& v : views) {
-        h.value(v.eye);
-        h.value(v.forward);
-        h.value(v.up);
-        h.value(v.fovY);
-        h.value(v.near);
-        h.value(v.far);
-    }
-    h.value(sun.azimuth);
-    h.value(sun.elevation);
-    for (const Sun& further : furtherSuns) {
-        h.value(further.azimuth);
-        h.value(further.elevation);
-        h.value(further.strength);
-    }
-    for (const LocalLight& light : lights) {
-        h.value(light.position);
-        h.value(light.direction);
-        h.value(light.intensity);
-        h.value(light.range);
-        h.value(light.innerAngle);
-        h.value(light.outerAngle);
-    }
-    for (const Motion& m : motions) {
-        h.value(m.instance);
-        h.value(m.from);
-        h.value(m.to);
-        h.value(m.speed);
-        h.value(m.start);
-        h.value(m.across);
-        h.value(m.radius);
-    }
+    for (const View& v : views) add(v.eye, v.forward, v.up, v.fovY, v.near, v.far);
+    add(sun.azimuth, sun.elevation);
+    for (const Sun& further : furtherSuns) add(further.azimuth, further.elevation, further.strength);
+    for (const LocalLight& l : lights) add(l.position, l.direction, l.intensity, l.range, l.innerAngle, l.outerAngle);
+    for (const Motion& m : motions) add(m.instance, m.from, m.to, m.speed, m.start, m.across, m.radius);
     return h.digest();
 }
 

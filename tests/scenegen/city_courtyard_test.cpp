@@ -1,18 +1,16 @@
 #include "base/detmath.h"
-#include "base/error.h"
-#include "base/file.h"
 #include "base/hash.h"
 #include "scenegen/city/arcade.h"
 #include "scenegen/city/curved.h"
 #include "scenegen/library.h"
 #include "scenegen/lod/connectivity.h"
+#include "recipe_error.h"
 #include "winding.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 
 using namespace dapple::scenegen;
 using namespace dapple::scenegen::city;
@@ -37,16 +35,6 @@ void expectSound(const Mesh& mesh, const char* what) {
     }
 }
 
-std::string errorOf(const std::string& text) {
-    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "court_under_test.toml";
-    dapple::base::writeFile(path, "description = \"x\"\n" + text);
-    try {
-        loadScene(path.string());
-    } catch (const dapple::base::UsageError& e) {
-        return e.what();
-    }
-    return "no error";
-}
 
 }  // namespace
 
@@ -181,7 +169,7 @@ TEST(Courtyard, plantsStandInTheirPotsAndKeepClearOfTheArcade) {
 TEST(Courtyard, givesTheSameBytesEverywhere) { EXPECT_EQ(dapple::base::hex16(loadScene("flythrough").contentHash()), "5c9c1e6aac00d983"); }
 
 TEST(Courtyard, badValuesNameFileLineAndKey) {
-    EXPECT_THAT(errorOf("[courtyard]\nbays = 1\n"), testing::HasSubstr("court_under_test.toml:3: bays: 1 is outside"));
-    EXPECT_THAT(errorOf("[courtyard]\nbay = 3\n"), testing::HasSubstr("did you mean 'bays'?"));
-    EXPECT_THAT(errorOf("scale = 100\n[courtyard]\n"), testing::HasSubstr("at a scale from 0.01 to 64, not 100"));
+    EXPECT_THAT(recipeError("[courtyard]\nbays = 1\n"), testing::HasSubstr(".toml:3: bays: 1 is outside"));
+    EXPECT_THAT(recipeError("[courtyard]\nbay = 3\n"), testing::HasSubstr("did you mean 'bays'?"));
+    EXPECT_THAT(recipeError("scale = 100\n[courtyard]\n"), testing::HasSubstr("at a scale from 0.01 to 64, not 100"));
 }

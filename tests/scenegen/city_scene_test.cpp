@@ -1,9 +1,9 @@
 #include "base/error.h"
-#include "base/file.h"
 #include "base/hash.h"
 #include "base/random.h"
 #include "scenegen/city/plan.h"
 #include "scenegen/library.h"
+#include "recipe_error.h"
 #include "winding.h"
 
 #include <gmock/gmock.h>
@@ -11,7 +11,6 @@
 
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <set>
 
@@ -26,16 +25,7 @@ protected:
     Scene load(const std::string& scale, const std::string& seed = "3") const { return loadScene(GetParam(), {"scale=" + scale, "seed=" + seed}); }
 };
 
-std::string errorOf(const std::string& city) {
-    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "city_under_test.toml";
-    dapple::base::writeFile(path, "description = \"x\"\n[city]\n" + city);
-    try {
-        loadScene(path.string());
-    } catch (const dapple::base::UsageError& e) {
-        return e.what();
-    }
-    return "no error";
-}
+std::string errorOf(const std::string& city) { return recipeError("[city]\n" + city); }
 
 }  // namespace
 
@@ -329,7 +319,7 @@ TEST(City, manhattanHasAHundredMillionTrianglesInLittleMemory) {
 }
 
 TEST(City, badValuesNameFileLineAndKey) {
-    EXPECT_THAT(errorOf("style = \"paris\"\n"), HasSubstr("city_under_test.toml:3: style: 'paris' is none of vienna, manhattan"));
+    EXPECT_THAT(errorOf("style = \"paris\"\n"), HasSubstr(".toml:3: style: 'paris' is none of vienna, manhattan"));
     EXPECT_THAT(errorOf("scale = 0\n"), HasSubstr("unknown key 'scale'"));  // it is the recipe's
     EXPECT_THROW(loadScene("city-vienna", {"scale=0.0001"}), dapple::base::UsageError);
     EXPECT_THAT(errorOf("views = 0\n"), HasSubstr(":3: views: 0 is outside"));
