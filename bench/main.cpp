@@ -41,11 +41,12 @@ int report(base::ExitCode code, std::string line) {
     return static_cast<int>(code);
 }
 
+int reportStdout() { return report(base::ExitCode::usage, "cannot write to stdout: is the disk full?"); }
+
 int guardedMain(int argc, char** argv) {
     try {
         const int code = parseAndRun(argc, argv);
-        if (std::fflush(stdout) != 0) return report(base::ExitCode::usage, "cannot write to stdout: is the disk full?");
-        return code;
+        return std::fflush(stdout) == 0 ? code : reportStdout();
     } catch (const base::Error& e) {
         std::fflush(stdout);
         return report(e.code(), e.what());
@@ -54,6 +55,7 @@ int guardedMain(int argc, char** argv) {
     } catch (const std::bad_alloc&) {
         return report(base::ExitCode::failed, "out of memory; try a smaller scene or map");
     } catch (const std::exception& e) {
+        if (std::ferror(stdout)) return reportStdout();  // more than its buffer holds
         return report(base::ExitCode::failed, fmt::format("internal error: {}", e.what()));
     }
 }

@@ -74,10 +74,11 @@ class CommandLine(unittest.TestCase):
             self.folder.chmod(0o555)
             self.refused("run", self.sweep, "-o", self.folder / "out", says=["Permission denied"])
             self.folder.chmod(0o755)
-        with open("/dev/full", "w") as full:
-            done = subprocess.run([DAPPLE, "list", "axes"], stdout=full, stderr=subprocess.PIPE, text=True)
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("disk", done.stderr)
+        for what in "axes", "techniques":  # more and less than stdout's buffer
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([DAPPLE, "list", what], stdout=full, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("disk", done.stderr)
 
     def test_plan_and_run_agree_and_stdout_is_data(self):
         plan = dapple("plan", self.sweep)
