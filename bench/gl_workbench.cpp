@@ -33,7 +33,7 @@ void LoadedScene::moveTo(double seconds) {
 
 void SharedFrame::moveTo(const MotionPath& path, int frameOfPath) {
     loaded->moveTo(loaded->start + frameOfPath * path.secondsPerFrame);
-    if (!loaded->scene.motions.empty()) frame.instancesMoved();
+    if (path.secondsPerFrame != 0) frame.instancesMoved();
     frame.setSun(path.at(loaded->scene.sun, frameOfPath));
     if (path.movesCamera()) frame.look(path.at(view, frameOfPath));
     pathFrame = frameOfPath;

@@ -1,6 +1,6 @@
 // Every technique of the registry at its stiff cases, on the software rasteriser too: a new technique is tested the
 // day it is added.
-#include "bench/gl_workbench.h"
+#include "bench/stage.h"
 #include "bench/stress.h"
 #include "base/random.h"
 #include "scenegen/library.h"
@@ -13,11 +13,6 @@
 
 namespace dapple::bench {
 namespace {
-
-GlWorkbench& workbench() {
-    static GlWorkbench bench(-1, "cpu_finish");
-    return bench;
-}
 
 PointSpec spec(const std::string& scene, const std::string& technique, shadow::Settings axes = {}, const std::string& stress = {}) {
     PointSpec s;

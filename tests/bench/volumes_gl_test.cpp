@@ -1,7 +1,7 @@
 // Stencil shadow volumes against the ray tracer: they follow the casters' own triangles, so what separates the two is the
 // rasteriser's grid alone.
 #include "base/error.h"
-#include "bench/gl_workbench.h"
+#include "bench/stage.h"
 #include "bench/stress.h"
 #include "scenegen/library.h"
 #include "truth/metrics.h"
@@ -14,11 +14,6 @@ namespace dapple::bench {
 namespace {
 
 using scenegen::Scene;
-
-GlWorkbench& workbench() {
-    static GlWorkbench bench(-1, "cpu_finish");
-    return bench;
-}
 
 std::vector<std::string> solidLeaves(const std::string& scene) {
     if (scene != "forest-small") return {};

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/gl_workbench.h"
+#include "bench/stage.h"
 #include "scenegen/library.h"
 
 #include <gtest/gtest.h>
@@ -10,18 +10,13 @@
 /// Images of a technique along views that jump, for tests of what must not change them.
 namespace dapple::bench {
 
-inline GlWorkbench& workbench() {
-    static GlWorkbench bench(-1, "cpu_finish");
-    return bench;
-}
-
 inline constexpr int kWidth = 160, kHeight = 120;
 
 /// A scene at test size, walked through with jumps: each view, twice the first, so that coherence has something to hold on to.
-struct Walk {
+struct Walk : Stage {
     Walk(const std::string& name, const std::vector<std::string>& settings) : Walk(scenegen::loadScene(name, settings)) {}
     explicit Walk(scenegen::Scene made)
-        : scene(std::move(made)), gpu((workbench(), scene)), frame(gpu, scene.views.front(), kWidth, kHeight) {
+        : Stage(std::move(made), kWidth, kHeight) {
         for (size_t i = 0; i < std::min<size_t>(scene.views.size(), 3); ++i) views.push_back(scene.views[i]);
         views.insert(views.begin(), views.front());
     }
@@ -52,9 +47,6 @@ struct Walk {
         return result;
     }
 
-    scenegen::Scene scene;
-    gpuscene::GpuScene gpu;
-    frame::Frame frame;
     std::vector<scenegen::View> views;
     std::optional<shadow::Technique::Casters> drawn;  // of the last image
     std::vector<shadow::LightMatrix> matrices;
