@@ -3,7 +3,10 @@
 layout(early_fragment_tests) in;
 #endif
 #include "lib/instanced_resolve.glsl"
-flat in uint vCaster;
+// What a look-up reads of a caster comes from the vertices: on a software rasteriser reading buffers at every pixel costs more.
+flat in Caster vCaster;
+flat in CasterType vType;
+flat in CasterMap vFirst, vSecond;
 #ifdef COUNT_CANDIDATES
 layout(location = 0) out float oCount;
 #else
@@ -12,23 +15,21 @@ layout(location = 0) out vec2 oVisibility;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    Caster c = casters[vCaster];
-    CasterType type = casterTypes[c.type];
     float depth = texelFetch(uDepth, pixel, 0).r;
     if (depth == 0.0) discard;  // front faces lie before the sky, too
     vec3 p = viewRay(gl_FragCoord.xy) * eyeDepth(depth);
 #ifndef SKIP_TEST
-    if (!inVolume(c, type, p)) discard;
+    if (!inVolume(vCaster, vType, p)) discard;
 #endif
 #ifdef COUNT_CANDIDATES
     oCount = 1.0;
 #else
     vec3 normal = geometricNormal(pixel);
     if (dot(normal, uLight) >= 0.0) discard;  // dark already
-    float lit = lookUp(c, type, p, normal);
+    float lit = lookUp(vCaster, vType, vFirst, vSecond, p, normal);
     if (lit >= 1.0) discard;
 #ifdef TRANSLUCENT
-    lit = mix(type.transmittance, 1.0, lit);
+    lit = mix(vType.more.x, 1.0, lit);
 #endif
     oVisibility = vec2(lit, 1.0);
 #endif

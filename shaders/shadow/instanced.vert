@@ -10,17 +10,22 @@ uniform mat4 uClipFromRelative;
 uniform float uExtrusion;  // metres: behind the whole scene
 uniform float uFloor;      // height of the lowest receiver, relative to the eye
 uniform int uFirstCaster;
-flat out uint vCaster;
+flat out Caster vCaster;
+flat out CasterType vType;
+flat out CasterMap vFirst, vSecond;
 
 void main() {
 #ifdef MASKED
     Survivor survivor = survivors[uFirstCaster + gl_InstanceID];
-    vCaster = survivor.caster;
+    Caster c = casters[survivor.caster];
 #else
-    vCaster = uint(uFirstCaster + gl_InstanceID);
+    Caster c = casters[uFirstCaster + gl_InstanceID];
 #endif
-    Caster c = casters[vCaster];
-    CasterType type = casterTypes[c.type];
+    CasterType type = casterTypes[c.refers.x];
+    vCaster = c;
+    vType = type;
+    vFirst = casterMaps[c.refers.y];
+    vSecond = casterMaps[c.refers.z];
     // The light in the box's axes; mirrored so that no component is negative.
     vec3 light = toBoxAxes(c, uLight);
     vec3 mirror = vec3(light.x < 0.0 ? -1.0 : 1.0, light.y < 0.0 ? -1.0 : 1.0, light.z < 0.0 ? -1.0 : 1.0);

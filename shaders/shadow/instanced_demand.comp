@@ -24,7 +24,7 @@ float shortest(mat2 m) {
     return abs(determinant(m)) / sqrt(max(larger, 1e-30));
 }
 
-void ask(uint map, Caster c, mat2x3 metres, float turn) {
+void ask(uint map, Caster c, mat2x3 metres, vec2 turn) {
     Basis b = basisOf(casterMaps[map]);
     mat2 seen = mat2(dot(metres[0], b.u), dot(metres[0], b.v), dot(metres[1], b.u), dot(metres[1], b.v));  // from the sun
     // Of the object alone, without what surrounds it: that depends on the present side, which must not feed back.
@@ -32,7 +32,7 @@ void ask(uint map, Caster c, mat2x3 metres, float turn) {
     vec2 perSide = 0.5 * casterMaps[map].window.zw / share / c.place.w;  // objects by metre
     float step = shortest(mat2(seen[0] * perSide, seen[1] * perSide));
     // What lies at a crown's edge moves with the rotation between map and caster; finer texels only draw that sharper.
-    step = length(vec2(step, ROTATION * turn));
+    step = length(vec2(step, ROTATION * atan(turn.y, turn.x)));
     atomicAdd(demand[map], uint(min(1.0 / max(step, 1e-9), uMost) / UNIT + 0.5));
 }
 
@@ -60,18 +60,18 @@ void main() {
         barrier();
         int i = begin + int(thread);
         if (i < uCasters) {
-            vec2 along = reachOf(casters[i], casterTypes[casters[i].type], centre, reach);
+            vec2 along = reachOf(casters[i], casterTypes[casters[i].refers.x], centre, reach);
             if (along.y >= along.x) sList[atomicAdd(sCount, 1u)] = uint(i);
         }
         barrier();
         for (uint k = 0u; k < sCount && asks; ++k) {
             Caster c = casters[sList[k]];
-            CasterType type = casterTypes[c.type];
-            type.half_.xyz += 1e-3 * length(type.half_.xyz - type.pad) - type.pad;  // a little more: its own faces are on the box
+            CasterType type = casterTypes[c.refers.x];
+            type.half_.xyz += 1e-3 * length(type.half_.xyz - type.more.y) - type.more.y;  // a little more: its own faces are on the box
             if (!inVolume(c, type, p)) continue;
-            bool both = MODE != 0 && c.weight > 0.0;
-            if (both || c.weight < 0.5) ask(c.firstMap, c, metres, c.turn);
-            if (both || c.weight >= 0.5) ask(c.secondMap, c, metres, c.secondTurn);
+            bool both = MODE != 0 && c.yaw.z > 0.0;
+            if (both || c.yaw.z < 0.5) ask(c.refers.y, c, metres, c.turns.xy);
+            if (both || c.yaw.z >= 0.5) ask(c.refers.z, c, metres, c.turns.zw);
         }
         barrier();
     }

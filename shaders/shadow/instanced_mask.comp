@@ -19,7 +19,7 @@ void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i >= uint(uCasters)) return;
     Caster c = casters[i];
-    CasterType type = casterTypes[c.type];
+    CasterType type = casterTypes[c.refers.x];
     vec2 all = vec2(1e30, -1e30);
     for (int t = 0; t < uTiles; ++t) {
         if (tiles[t].reach.x < 0.0) continue;

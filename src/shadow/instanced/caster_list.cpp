@@ -14,17 +14,14 @@ constexpr uint64_t kLeafTriangles = 10'000;  ///< of the hierarchy: some trees
 
 struct GpuCasterType {
     glm::vec4 centre, half;  ///< of the box; centre.w: metres that its maps' shadows may stray from its volume, half.w: κ²
-    float transmittance;
-    float pad;  ///< metres by which the box is larger than the object's
-    float unused[2];
+    glm::vec4 more;          ///< transmittance, metres by which the box is larger than the object's
 };
 static_assert(sizeof(GpuCasterType) == 48);
 
 struct GpuCasterMap {
     glm::vec4 window;  ///< centre, 1 / half size
     glm::vec4 square;  ///< x, y, page, side in the atlas
-    glm::vec2 depth;   ///< nearest, 1 / range
-    glm::vec2 sun;     ///< cosine and sine of its elevation
+    glm::vec4 light;   ///< depth along it: nearest, 1 / range; cosine and sine of its sun's elevation
 };
 static_assert(sizeof(GpuCasterMap) == 48);
 
@@ -38,15 +35,15 @@ void CasterList::uploadTypes() {
         const glm::vec3 half = type.box.halfSize();
         const glm::vec2 reach = glm::max(glm::abs(glm::vec2(type.box.lo)), glm::abs(glm::vec2(type.box.hi)));
         const float kappa = std::max(reach.x, reach.y) / std::max(half.z, 1e-6f);
-        types.push_back({glm::vec4(type.box.centre(), strays_[t]), glm::vec4(half, kappa * kappa), scene.prototypes[type.prototype].transmittance, type.pad, {}});
+        types.push_back({glm::vec4(type.box.centre(), strays_[t]), glm::vec4(half, kappa * kappa), {scene.prototypes[type.prototype].transmittance, type.pad, 0, 0}});
     }
     typeBuffer_.update(types.size() * sizeof(GpuCasterType), types.data());
     std::vector<GpuCasterMap> maps;
     for (size_t i = 0; i < maps_.maps().size(); ++i) {
         const CasterMap& map = maps_.maps()[i];
         const MapAtlas::Place& place = maps_.atlas().places()[i];
-        maps.push_back({map.window, {place.x, place.y, place.page, place.side}, {map.depthNear, 1 / (map.depthFar - map.depthNear)},
-                        {std::cos(map.pose.elevation), std::sin(map.pose.elevation)}});
+        maps.push_back({map.window, {place.x, place.y, place.page, place.side}, 
+                        {map.depthNear, 1 / (map.depthFar - map.depthNear), std::cos(map.pose.elevation), std::sin(map.pose.elevation)}});
     }
     mapBuffer_.update(maps.size() * sizeof(GpuCasterMap), maps.data());
     mapsVersion_ = maps_.version();
@@ -68,20 +65,20 @@ CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
         secondTurn = (1 - double(sample.weight)) * step;
     }
     return {glm::vec4(glm::vec3(glm::dvec3(instance.translation) - frame_.camera().eye), instance.scale),
-            {float(std::cos(double(instance.yaw))), float(std::sin(double(instance.yaw)))},
-            uint32_t(maps_.typeOf(index)), first + sample.first, sample.weight, first + (sample.first + 1) % uint32_t(count),
-            float(turn), float(secondTurn)};
+            {std::cos(double(instance.yaw)), std::sin(double(instance.yaw)), sample.weight, 0},
+            {std::cos(turn), std::sin(turn), std::cos(secondTurn), std::sin(secondTurn)},
+            {uint32_t(maps_.typeOf(index)), first + sample.first, first + (sample.first + 1) % uint32_t(count), 0}};
 }
 
 bool CasterList::holdsEye(const GpuCaster& caster) const {
     const frame::Camera& camera = frame_.camera();
-    const base::Box& box = maps_.types()[caster.type].box;
+    const base::Box& box = maps_.types()[caster.refers.x].box;
     const auto toBox = [&](const glm::dvec3& p) {
-        const double c = double(caster.cosSinYaw.x), s = double(caster.cosSinYaw.y);
+        const double c = double(caster.yaw.x), s = double(caster.yaw.y);
         return glm::dvec3(c * p.x + s * p.y, c * p.y - s * p.x, p.z);
     };
     const double scale = double(caster.place.w), nearPlane = camera.near * std::sqrt(1 + camera.tanX * camera.tanX + camera.tanY * camera.tanY);
-    const glm::dvec3 half = glm::dvec3(box.halfSize()) + (1.01 * nearPlane + double(strays_[caster.type])) / scale;
+    const glm::dvec3 half = glm::dvec3(box.halfSize()) + (1.01 * nearPlane + double(strays_[caster.refers.x])) / scale;
     const glm::dvec3 q = toBox(-glm::dvec3(caster.place) / scale) - glm::dvec3(box.centre()), light = toBox(frame_.light());
     double enter = 0, leave = 1e300;
     for (int k = 0; k < 3; ++k) {
@@ -138,13 +135,13 @@ void CasterList::collect(FarField* far) {
 
 std::vector<uint32_t> CasterList::uses() const {
     std::vector<uint32_t> uses(maps_.types().size(), 0);
-    for (const GpuCaster& caster : casters_) ++uses[caster.type];
+    for (const GpuCaster& caster : casters_) ++uses[caster.refers.x];
     return uses;
 }
 
 std::vector<bool> CasterList::mapsInUse() const {
     std::vector<bool> used(maps_.maps().size(), false);
-    for (const GpuCaster& caster : casters_) used[caster.firstMap] = used[caster.secondMap] = true;
+    for (const GpuCaster& caster : casters_) used[caster.refers.y] = used[caster.refers.z] = true;
     return used;
 }
 

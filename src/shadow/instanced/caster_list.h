@@ -27,14 +27,12 @@ public:
 
 private:
     struct GpuCaster {
-        glm::vec4 place;  ///< position relative to the eye, scale
-        glm::vec2 cosSinYaw;
-        uint32_t type, firstMap;
-        float weight;  ///< of the second map
-        uint32_t secondMap;
-        float turn, secondTurn;  ///< the maps' rotation minus the caster's, radians
+        glm::vec4 place;    ///< position relative to the eye, scale
+        glm::vec4 yaw;      ///< cosine, sine; weight of the second map
+        glm::vec4 turns;    ///< the maps' rotation minus the caster's: cosine and sine for the first, cosine and sine for the second
+        glm::uvec4 refers;  ///< to its type, first map, second map
     };
-    static_assert(sizeof(GpuCaster) == 48);
+    static_assert(sizeof(GpuCaster) == 64);
 
     void uploadTypes();
     double strayOf(const CasterType& type) const;
