@@ -5,8 +5,6 @@ layout(early_fragment_tests) in;
 #include "lib/instanced_resolve.glsl"
 // What a look-up reads of a caster comes from the vertices: on a software rasteriser reading buffers at every pixel costs more.
 flat in Caster vCaster;
-flat in CasterType vType;
-flat in CasterMap vFirst, vSecond;
 #ifdef COUNT_CANDIDATES
 layout(location = 0) out float oCount;
 #else
@@ -19,17 +17,17 @@ void main() {
     if (depth == 0.0) discard;  // front faces lie before the sky, too
     vec3 p = viewRay(gl_FragCoord.xy) * eyeDepth(depth);
 #ifndef SKIP_TEST
-    if (!inVolume(vCaster, vType, p)) discard;
+    if (!inVolume(vCaster, p)) discard;
 #endif
 #ifdef COUNT_CANDIDATES
     oCount = 1.0;
 #else
     vec3 normal = geometricNormal(pixel);
     if (dot(normal, uLight) >= 0.0) discard;  // dark already
-    float lit = lookUp(vCaster, vType, vFirst, vSecond, p, normal);
+    float lit = lookUp(vCaster, p, normal);
     if (lit >= 1.0) discard;
 #ifdef TRANSLUCENT
-    lit = mix(vType.more.x, 1.0, lit);
+    lit = mix(vCaster.box.w, 1.0, lit);
 #endif
     oVisibility = vec2(lit, 1.0);
 #endif

@@ -11,8 +11,6 @@ uniform float uExtrusion;  // metres: behind the whole scene
 uniform float uFloor;      // height of the lowest receiver, relative to the eye
 uniform int uFirstCaster;
 flat out Caster vCaster;
-flat out CasterType vType;
-flat out CasterMap vFirst, vSecond;
 
 void main() {
 #ifdef MASKED
@@ -21,11 +19,7 @@ void main() {
 #else
     Caster c = casters[uFirstCaster + gl_InstanceID];
 #endif
-    CasterType type = casterTypes[c.refers.x];
     vCaster = c;
-    vType = type;
-    vFirst = casterMaps[c.refers.y];
-    vSecond = casterMaps[c.refers.z];
     // The light in the box's axes; mirrored so that no component is negative.
     vec3 light = toBoxAxes(c, uLight);
     vec3 mirror = vec3(light.x < 0.0 ? -1.0 : 1.0, light.y < 0.0 ? -1.0 : 1.0, light.z < 0.0 ? -1.0 : 1.0);
@@ -34,14 +28,13 @@ void main() {
     if (mirror.x * mirror.y * mirror.z < 0.0) index += index % 3 == 1 ? 1 : index % 3 == 2 ? -1 : 0;
     uint corner = corners[index];
     vec3 side = vec3(corner & 1u, (corner >> 1) & 1u, (corner >> 2) & 1u) * 2.0 - 1.0;
-    vec3 reach = reachOfBox(c, type);
-    vec3 world = c.place.xyz + c.place.w * fromBoxAxes(c, type.centre.xyz + reach * side * mirror);
+    vec3 world = c.place.xyz + fromBoxAxes(c, c.box.xyz + c.reach.xyz * side * mirror) / c.place.w;
     // Below the lowest receiver there is nothing to darken: a high sun makes short volumes.
-    float top = c.place.z + c.place.w * (type.centre.z + reach.z);
+    float top = c.place.z + (c.box.z + c.reach.z) / c.place.w;
     float extrusion = min(uExtrusion, (top - uFloor) / max(-uLight.z, 1e-6));
     float moved = (corner & 8u) != 0u ? extrusion : 0.0;
 #ifdef MASKED
-    moved = clamp(moved, survivor.from * c.place.w, survivor.to * c.place.w);
+    moved = clamp(moved, survivor.from / c.place.w, survivor.to / c.place.w);
 #endif
     world += uLight * moved;
     gl_Position = uClipFromRelative * vec4(world, 1.0);

@@ -13,8 +13,7 @@ void main() {
     bool valid = lit > 0.0;
     for (int i = 0; i < uCasters && lit > 0.0; ++i) {
         Caster c = casters[i];
-        CasterType type = casterTypes[c.refers.x];
-        if (inVolume(c, type, p)) lit = min(lit, lookUp(c, type, p, normal));
+        if (inVolume(c, p)) lit = min(lit, lookUp(c, p, normal));
     }
     oVisibility = vec2(lit, valid ? 1.0 : 0.0);
 }

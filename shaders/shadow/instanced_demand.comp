@@ -24,16 +24,16 @@ float shortest(mat2 m) {
     return abs(determinant(m)) / sqrt(max(larger, 1e-30));
 }
 
-void ask(uint map, Caster c, mat2x3 metres, vec2 turn) {
-    Basis b = basisOf(casterMaps[map]);
+void ask(uint index, CasterMap map, Caster c, mat2x3 metres) {
+    Basis b = basisOf(map);
     mat2 seen = mat2(dot(metres[0], b.u), dot(metres[0], b.v), dot(metres[1], b.u), dot(metres[1], b.v));  // from the sun
     // Of the object alone, without what surrounds it: that depends on the present side, which must not feed back.
-    float share = max(0.5, 1.0 - 2.0 * uPadTexels / casterMaps[map].square.w);
-    vec2 perSide = 0.5 * casterMaps[map].window.zw / share / c.place.w;  // objects by metre
+    float share = max(0.5, 1.0 - 2.0 * uPadTexels / map.square.w);
+    vec2 perSide = map.texels.xy / map.square.w / share * c.place.w;  // objects by metre
     float step = shortest(mat2(seen[0] * perSide, seen[1] * perSide));
     // What lies at a crown's edge moves with the rotation between map and caster; finer texels only draw that sharper.
-    step = length(vec2(step, ROTATION * atan(turn.y, turn.x)));
-    atomicAdd(demand[map], uint(min(1.0 / max(step, 1e-9), uMost) / UNIT + 0.5));
+    step = length(vec2(step, ROTATION * atan(map.turn.y, map.turn.x)));
+    atomicAdd(demand[index], uint(min(1.0 / max(step, 1e-9), uMost) / UNIT + 0.5));
 }
 
 void main() {
@@ -60,18 +60,18 @@ void main() {
         barrier();
         int i = begin + int(thread);
         if (i < uCasters) {
-            vec2 along = reachOf(casters[i], casterTypes[casters[i].refers.x], centre, reach);
+            vec2 along = reachOf(casters[i], centre, reach);
             if (along.y >= along.x) sList[atomicAdd(sCount, 1u)] = uint(i);
         }
         barrier();
         for (uint k = 0u; k < sCount && asks; ++k) {
             Caster c = casters[sList[k]];
-            CasterType type = casterTypes[c.refers.x];
-            type.half_.xyz += 1e-3 * length(type.half_.xyz - type.more.y) - type.more.y;  // a little more: its own faces are on the box
-            if (!inVolume(c, type, p)) continue;
-            bool both = MODE != 0 && c.yaw.z > 0.0;
-            if (both || c.yaw.z < 0.5) ask(c.refers.y, c, metres, c.turns.xy);
-            if (both || c.yaw.z >= 0.5) ask(c.refers.z, c, metres, c.turns.zw);
+            float pad = uintBitsToFloat(c.refers.z);
+            c.reach.xyz += 1e-3 * length(c.reach.xyz - pad) - pad;  // a little more: its own faces are on the box
+            if (!inVolume(c, p)) continue;
+            bool both = MODE != 0 && c.reach.w > 0.0;
+            if (both || c.reach.w < 0.5) ask(c.refers.x, c.first, c, metres);
+            if (both || c.reach.w >= 0.5) ask(c.refers.y, c.second, c, metres);
         }
         barrier();
     }

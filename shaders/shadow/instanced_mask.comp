@@ -19,16 +19,15 @@ void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i >= uint(uCasters)) return;
     Caster c = casters[i];
-    CasterType type = casterTypes[c.refers.x];
     vec2 all = vec2(1e30, -1e30);
     for (int t = 0; t < uTiles; ++t) {
         if (tiles[t].reach.x < 0.0) continue;
-        vec2 along = reachOf(c, type, tiles[t].centre.xyz, tiles[t].reach.xyz);
+        vec2 along = reachOf(c, tiles[t].centre.xyz, tiles[t].reach.xyz);
         if (along.y >= along.x) all = vec2(min(all.x, along.x), max(all.y, along.y));
     }
     if (all.y < all.x) return;
     // Room for what the vertices round, so that no face cuts a receiver off.
-    float slack = 1e-3 * (length(reachOfBox(c, type)) + all.y);
+    float slack = 1e-3 * (length(c.reach.xyz) + all.y);
     bool about = i >= uint(uNotAboutEye);
     uint place = atomicAdd(commands[about ? 1 : 0].instances, 1u) + (about ? uint(uCasters) : 0u);
     survivors[place] = Survivor(i, max(0.0, all.x - slack), all.y + slack);

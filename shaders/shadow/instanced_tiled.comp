@@ -33,14 +33,13 @@ void main() {
         barrier();
         int i = begin + int(thread);
         if (i < uCasters) {
-            vec2 along = reachOf(casters[i], casterTypes[casters[i].refers.x], centre, reach);
+            vec2 along = reachOf(casters[i], centre, reach);
             if (along.y >= along.x) sList[atomicAdd(sCount, 1u)] = uint(i);
         }
         barrier();
         for (uint k = 0u; k < sCount && valid && lit > 0.0; ++k) {
             Caster c = casters[sList[k]];
-            CasterType type = casterTypes[c.refers.x];
-            if (inVolume(c, type, p)) lit = min(lit, lookUp(c, type, p, normal));
+            if (inVolume(c, p)) lit = min(lit, lookUp(c, p, normal));
         }
         barrier();
     }

@@ -4,6 +4,7 @@
 #include "shadow/map/caster_cull.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -12,41 +13,22 @@ namespace {
 
 constexpr uint64_t kLeafTriangles = 10'000;  ///< of the hierarchy: some trees
 
-struct GpuCasterType {
-    glm::vec4 centre, half;  ///< of the box; centre.w: metres that its maps' shadows may stray from its volume, half.w: κ²
-    glm::vec4 more;          ///< transmittance, metres by which the box is larger than the object's
-};
-static_assert(sizeof(GpuCasterType) == 48);
-
-struct GpuCasterMap {
-    glm::vec4 window;  ///< centre, 1 / half size
-    glm::vec4 square;  ///< x, y, page, side in the atlas
-    glm::vec4 light;   ///< depth along it: nearest, 1 / range; cosine and sine of its sun's elevation
-};
-static_assert(sizeof(GpuCasterMap) == 48);
+/// Horizontal radius over half the height.
+double kappaOf(const CasterType& type) {
+    const glm::vec2 reach = glm::max(glm::abs(glm::vec2(type.box.lo)), glm::abs(glm::vec2(type.box.hi)));
+    return double(std::max(reach.x, reach.y) / std::max(type.box.halfSize().z, 1e-6f));
+}
 
 }  // namespace
 
-void CasterList::uploadTypes() {
-    const scenegen::Scene& scene = frame_.scene().scene();
-    std::vector<GpuCasterType> types;
-    for (size_t t = 0; t < maps_.types().size(); ++t) {
-        const CasterType& type = maps_.types()[t];
-        const glm::vec3 half = type.box.halfSize();
-        const glm::vec2 reach = glm::max(glm::abs(glm::vec2(type.box.lo)), glm::abs(glm::vec2(type.box.hi)));
-        const float kappa = std::max(reach.x, reach.y) / std::max(half.z, 1e-6f);
-        types.push_back({glm::vec4(type.box.centre(), strays_[t]), glm::vec4(half, kappa * kappa), {scene.prototypes[type.prototype].transmittance, type.pad, 0, 0}});
-    }
-    typeBuffer_.update(types.size() * sizeof(GpuCasterType), types.data());
-    std::vector<GpuCasterMap> maps;
-    for (size_t i = 0; i < maps_.maps().size(); ++i) {
-        const CasterMap& map = maps_.maps()[i];
-        const MapAtlas::Place& place = maps_.atlas().places()[i];
-        maps.push_back({map.window, {place.x, place.y, place.page, place.side}, 
-                        {map.depthNear, 1 / (map.depthFar - map.depthNear), std::cos(map.pose.elevation), std::sin(map.pose.elevation)}});
-    }
-    mapBuffer_.update(maps.size() * sizeof(GpuCasterMap), maps.data());
-    mapsVersion_ = maps_.version();
+CasterList::GpuMap CasterList::mapOf(uint32_t index, double turn, const CasterType& type, double scale) const {
+    const CasterMap& map = maps_.maps()[index];
+    const MapAtlas::Place& place = maps_.atlas().places()[index];
+    const double range = map.depthFar - map.depthNear, c = std::cos(map.pose.elevation), s = std::sin(map.pose.elevation), kappa = kappaOf(type);
+    const glm::vec2 perMetre = 0.5f * float(place.side) * glm::vec2(map.window.z, map.window.w);
+    return {glm::vec4(perMetre, 0.5f * float(place.side) - map.window.x * perMetre.x, 0.5f * float(place.side) - map.window.y * perMetre.y),
+            {place.x, place.y, place.page, place.side}, {-map.depthNear / range, 1 / range, c, s},
+            {std::cos(turn), std::sin(turn), 1 / (c * c + kappa * kappa * s * s), range * scale}};
 }
 
 CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
@@ -64,22 +46,33 @@ CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
         turn = -double(sample.weight) * step;
         secondTurn = (1 - double(sample.weight)) * step;
     }
-    return {glm::vec4(glm::vec3(glm::dvec3(instance.translation) - frame_.camera().eye), instance.scale),
-            {std::cos(double(instance.yaw)), std::sin(double(instance.yaw)), sample.weight, 0},
-            {std::cos(turn), std::sin(turn), std::cos(secondTurn), std::sin(secondTurn)},
-            {uint32_t(maps_.typeOf(index)), first + sample.first, first + (sample.first + 1) % uint32_t(count), 0}};
+    const uint32_t second = first + (sample.first + 1) % uint32_t(count);
+    const double scale = double(instance.scale), c = std::cos(double(instance.yaw)), s = std::sin(double(instance.yaw)), kappa = kappaOf(type);
+    GpuCaster caster;
+    caster.first = mapOf(first + sample.first, turn, type, scale);
+    caster.second = mapOf(second, secondTurn, type, scale);
+    caster.place = glm::vec4(glm::vec3(glm::dvec3(instance.translation) - frame_.camera().eye), 1 / scale);
+    caster.box = glm::vec4(type.box.centre(), frame_.scene().scene().prototypes[type.prototype].transmittance);
+    caster.reach = glm::vec4(type.box.halfSize() + strays_[size_t(maps_.typeOf(index))] / instance.scale, sample.weight);
+    const glm::dvec3& l = frame_.light();
+    glm::dvec3 light(c * l.x + s * l.y, c * l.y - s * l.x, l.z);
+    for (int k = 0; k < 3; ++k)
+        if (std::abs(light[k]) < 1e-12) light[k] = 1e-12;
+    caster.against = glm::vec4(1.0 / light, kappa * kappa);
+    caster.turn = {c, s, scale / double(std::min(caster.first.texels.x, caster.second.texels.x)), scale / double(std::min(caster.first.texels.y, caster.second.texels.y))};
+    caster.refers = {first + sample.first, second, std::bit_cast<uint32_t>(type.pad), uint32_t(maps_.typeOf(index))};
+    return caster;
 }
 
 bool CasterList::holdsEye(const GpuCaster& caster) const {
     const frame::Camera& camera = frame_.camera();
-    const base::Box& box = maps_.types()[caster.refers.x].box;
     const auto toBox = [&](const glm::dvec3& p) {
-        const double c = double(caster.yaw.x), s = double(caster.yaw.y);
+        const double c = double(caster.turn.x), s = double(caster.turn.y);
         return glm::dvec3(c * p.x + s * p.y, c * p.y - s * p.x, p.z);
     };
-    const double scale = double(caster.place.w), nearPlane = camera.near * std::sqrt(1 + camera.tanX * camera.tanX + camera.tanY * camera.tanY);
-    const glm::dvec3 half = glm::dvec3(box.halfSize()) + (1.01 * nearPlane + double(strays_[caster.refers.x])) / scale;
-    const glm::dvec3 q = toBox(-glm::dvec3(caster.place) / scale) - glm::dvec3(box.centre()), light = toBox(frame_.light());
+    const double perMetre = double(caster.place.w), nearPlane = camera.near * std::sqrt(1 + camera.tanX * camera.tanX + camera.tanY * camera.tanY);
+    const glm::dvec3 half = glm::dvec3(caster.reach) + 1.01 * nearPlane * perMetre;
+    const glm::dvec3 q = toBox(-glm::dvec3(caster.place) * perMetre) - glm::dvec3(caster.box), light = toBox(frame_.light());
     double enter = 0, leave = 1e300;
     for (int k = 0; k < 3; ++k) {
         if (std::abs(light[k]) < 1e-12) {
@@ -111,12 +104,7 @@ double CasterList::strayOf(const CasterType& type) const {
 }
 
 void CasterList::collect(FarField* far) {
-    sunTurn_ = maps_.sunTurn();
-    std::vector<float> strays;
-    for (const CasterType& type : maps_.types()) strays.push_back(float(strayOf(type)));
-    const bool strayed = strays != strays_;
-    strays_ = std::move(strays);
-    if (strayed || mapsVersion_ != maps_.version()) uploadTypes();
+    readMaps();
     const frame::Camera& camera = frame_.camera();
     const base::DBox sceneBox = frame_.relativeSceneBox();
     const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
@@ -126,29 +114,42 @@ void CasterList::collect(FarField* far) {
     instances_ = cull.kept(frame_.scene().hierarchy(kLeafTriangles, true), frame_.scene().instanceBoxes(), camera.eye);
     std::erase_if(instances_, [&](uint32_t i) { return maps_.typeOf(i) < 0; });
     if (far) far->takeFar(instances_, extrusion_);
+    upload();
+}
+
+void CasterList::update() {
+    readMaps();
+    upload();
+}
+
+void CasterList::readMaps() {
+    sunTurn_ = maps_.sunTurn();
+    strays_.clear();
+    for (const CasterType& type : maps_.types()) strays_.push_back(float(strayOf(type)));
+}
+
+void CasterList::upload() {
     casters_.clear();
     for (const uint32_t i : instances_) casters_.push_back(casterOf(i));
     const auto about = std::stable_partition(casters_.begin(), casters_.end(), [&](const GpuCaster& c) { return !holdsEye(c); });
     notAboutEye_ = size_t(about - casters_.begin());
-    casterBuffer_.update(casters_.size() * sizeof(GpuCaster), casters_.data());
+    buffer_.update(casters_.size() * sizeof(GpuCaster), casters_.data());
 }
 
 std::vector<uint32_t> CasterList::uses() const {
     std::vector<uint32_t> uses(maps_.types().size(), 0);
-    for (const GpuCaster& caster : casters_) ++uses[caster.refers.x];
+    for (const GpuCaster& caster : casters_) ++uses[caster.refers.w];
     return uses;
 }
 
 std::vector<bool> CasterList::mapsInUse() const {
     std::vector<bool> used(maps_.maps().size(), false);
-    for (const GpuCaster& caster : casters_) used[caster.refers.y] = used[caster.refers.z] = true;
+    for (const GpuCaster& caster : casters_) used[caster.refers.x] = used[caster.refers.y] = true;
     return used;
 }
 
 void CasterList::bind() const {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, casterBuffer_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, typeBuffer_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, mapBuffer_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffer_.name());
 }
 
 }  // namespace dapple::shadow

@@ -14,7 +14,9 @@ public:
 
     /// Anew for the frame's present view; without those that `far` takes.
     void collect(FarField* far = nullptr);
-    /// Binds casters, types and maps to storage buffers 1, 2 and 3.
+    /// After the maps have changed: the same casters.
+    void update();
+    /// Binds it to storage buffer 1.
     void bind() const;
 
     size_t size() const { return casters_.size(); }
@@ -26,17 +28,21 @@ public:
     std::vector<bool> mapsInUse() const;
 
 private:
-    struct GpuCaster {
-        glm::vec4 place;    ///< position relative to the eye, scale
-        glm::vec4 yaw;      ///< cosine, sine; weight of the second map
-        glm::vec4 turns;    ///< the maps' rotation minus the caster's: cosine and sine for the first, cosine and sine for the second
-        glm::uvec4 refers;  ///< to its type, first map, second map
+    struct GpuMap {
+        glm::vec4 texels, square, light, turn;
     };
-    static_assert(sizeof(GpuCaster) == 64);
+    struct GpuCaster {
+        glm::vec4 place, box, reach, against, turn;
+        GpuMap first, second;
+        glm::uvec4 refers;
+    };
+    static_assert(sizeof(GpuCaster) == 224);
 
-    void uploadTypes();
+    void readMaps();
+    void upload();
     double strayOf(const CasterType& type) const;
     GpuCaster casterOf(uint32_t instance) const;
+    GpuMap mapOf(uint32_t index, double turn, const CasterType& type, double scale) const;
     bool holdsEye(const GpuCaster& caster) const;
 
     const frame::Frame& frame_;
@@ -47,8 +53,7 @@ private:
     std::vector<GpuCaster> casters_;   ///< of them, in another order
     size_t notAboutEye_ = 0;
     Extrusion extrusion_;
-    int mapsVersion_ = -1;  ///< that types and maps on the GPU have
-    gl::Buffer casterBuffer_, typeBuffer_, mapBuffer_;
+    gl::Buffer buffer_;
 };
 
 }  // namespace dapple::shadow

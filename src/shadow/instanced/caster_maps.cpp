@@ -36,7 +36,6 @@ void CasterMaps::resize(const std::vector<int>& sides) {
     sides_ = sides;
     for (CasterType& type : types_) fit(type);
     atlas_.arrange(sides_, due_);
-    ++version_;
 }
 
 void CasterMaps::addType(CasterType type) {
@@ -130,7 +129,6 @@ void CasterMaps::choose() {
     std::vector<bool> chosen(sharedTypeOf_.size(), false);
     for (size_t k = 0; k < ownerOf_.size(); ++k) chosen[looks[k].second] = true;
     size_t next = 0;
-    bool changed = false;
     for (size_t k = 0; k < ownerOf_.size(); ++k) {
         if (chosen[ownerOf_[k]]) continue;
         while (typeOf_[looks[next].second] >= int(firstOwn_)) ++next;
@@ -145,9 +143,7 @@ void CasterMaps::choose() {
         maps_[size_t(type.firstMap)].pose = poseOf(type, 0);
         fit(type);
         due_.insert(type.firstMap);
-        changed = true;
     }
-    version_ += changed;
 }
 
 void CasterMaps::fit(CasterType& type) {
@@ -223,7 +219,6 @@ void CasterMaps::draw(const std::vector<int>& maps, measure::Ledger& tally) {
             pose = shown;
         }
         if (moved) fit(type);
-        version_ += moved;
     }
     rotated_.upload();
     const std::vector<gpuscene::DrawList::Range> all = rotated_.ranges;

@@ -47,8 +47,6 @@ public:
     void choose();
     /// Whether any map shows something else than it is used for, so that a frame may have to render.
     bool outdated() const { return !due_.empty() || policy_.outdated(wanted()); }
-    /// Counts the changes of types and maps.
-    int version() const { return version_; }
 
     std::span<const CasterType> types() const { return types_; }
     /// Index into types(); -1 for an instance that casts none, or exactly.
@@ -91,7 +89,6 @@ private:
     size_t firstOwn_ = 0;            ///< index into types_: from it on each has one map, of ownerOf_[…]
     std::vector<uint32_t> ownerOf_;
     std::set<int> due_;              ///< maps without anything of use in them
-    int version_ = 0;
     std::vector<int> typeOf_;
     std::vector<CasterMap> maps_;
     std::vector<int> sides_;

@@ -146,7 +146,8 @@ private:
     bool masked() const { return is("cull", "mask"); }
     /// The casters that have volumes; with a far field the frame's first pass has chosen them.
     void collect() {
-        if (!splits_) casters_.collect();
+        if (splits_) casters_.update();
+        else casters_.collect();
     }
     /// Casters, first in the list, whose front faces do.
     size_t notAboutEye() const { return is("apply", "zpass") ? casters_.notAboutEye() : 0; }
