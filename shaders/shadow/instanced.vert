@@ -1,7 +1,6 @@
-// Bounding shadow volume of one instance's box, made from the vertex index (see instanced/volume.h).
+// Bounding shadow volume of one instance's box: the vertex index is the corner (see instanced/volume.h).
 uniform vec3 uLight;
 #include "lib/instanced.glsl"
-layout(std430, binding = 0) restrict readonly buffer Corners { uint corners[72]; };
 #ifdef MASKED
 #include "lib/survivor.glsl"
 layout(std430, binding = 4) restrict readonly buffer Survivors { Survivor survivors[]; };
@@ -23,16 +22,15 @@ void main() {
     // The light in the box's axes; mirrored so that no component is negative.
     vec3 light = toBoxAxes(c, uLight);
     vec3 mirror = vec3(light.x < 0.0 ? -1.0 : 1.0, light.y < 0.0 ? -1.0 : 1.0, light.z < 0.0 ? -1.0 : 1.0);
-    // An odd number of mirrors turns the triangles inside out: swap two corners of each.
-    int index = gl_VertexID;
-    if (mirror.x * mirror.y * mirror.z < 0.0) index += index % 3 == 1 ? 1 : index % 3 == 2 ? -1 : 0;
-    uint corner = corners[index];
-    vec3 side = vec3(corner & 1u, (corner >> 1) & 1u, (corner >> 2) & 1u) * 2.0 - 1.0;
+    int corner = gl_VertexID;
+    vec3 side = vec3(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1) * 2.0 - 1.0;
+    // An odd number of mirrors turns the triangles inside out, and exchanging two axes turns them back.
+    if (mirror.x * mirror.y * mirror.z < 0.0) side = side.yxz;
     vec3 world = c.place.xyz + fromBoxAxes(c, c.box.xyz + c.reach.xyz * side * mirror) / c.place.w;
     // Below the lowest receiver there is nothing to darken: a high sun makes short volumes.
     float top = c.place.z + (c.box.z + c.reach.z) / c.place.w;
     float extrusion = min(uExtrusion, (top - uFloor) / max(-uLight.z, 1e-6));
-    float moved = (corner & 8u) != 0u ? extrusion : 0.0;
+    float moved = (corner & 8) != 0 ? extrusion : 0.0;
 #ifdef MASKED
     moved = clamp(moved, survivor.from / c.place.w, survivor.to / c.place.w);
 #endif

@@ -9,7 +9,7 @@ struct Tile {
 layout(std430, binding = 4) restrict writeonly buffer Survivors { Survivor survivors[]; };
 layout(std430, binding = 5) restrict readonly buffer Tiles { Tile tiles[]; };
 struct Command {
-    uint vertices, instances, firstVertex, firstInstance;
+    uint indices, instances, firstIndex, baseVertex, firstInstance;
 };
 layout(std430, binding = 6) restrict buffer Commands { Command commands[2]; };
 uniform int uCasters, uTiles;

@@ -204,6 +204,7 @@ private:
         }
         corners_ = gl::Buffer::of<uint32_t>(boxShadowVolume());
         array_ = gl::makeVertexArray();
+        glVertexArrayElementBuffer(array_.name(), corners_.name());
         const bool linear = !is("filter", "nearest");
         sampler_ = gl::makeSampler({GLenum(linear ? GL_LINEAR : GL_NEAREST), false, GL_CLAMP_TO_BORDER, !is("mode", "depth")});
     }
@@ -256,7 +257,7 @@ private:
         const auto& camera = frame_.camera();
         collect();
         const auto across = GLuint(camera.width + kReceiverTile - 1) / kReceiverTile, down = GLuint(camera.height + kReceiverTile - 1) / kReceiverTile;
-        const GLuint commands[8] = {72, 0, 0, 0, 72, 0, 0, 0};
+        const GLuint commands[10] = {72, 0, 0, 0, 0, 72, 0, 0, 0, 0};
         commands_.update(sizeof commands, commands);
         tiles_.update(size_t(across) * down * 2 * sizeof(glm::vec4), nullptr);
         survivors_.update(2 * casters_.size() * kSurvivorBytes, nullptr);
@@ -303,7 +304,6 @@ private:
         if (!ownDepth_) glBindTextureUnit(2, start_.depth().name());
         program.set("uExtrusion", float(casters_.extrusion().most));
         program.set("uFloor", float(casters_.extrusion().floor));
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, corners_.name());
         glBindVertexArray(array_.name());
         if (masked()) {
             glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, survivors_.name());
@@ -317,8 +317,8 @@ private:
             glCullFace(zPass ? GL_BACK : GL_FRONT);
             // Those about the eye that survive stand in the second half of the list, and have a command of their own.
             program.set("uFirstCaster", int(masked() && !zPass ? casters_.size() : first));
-            if (masked()) glDrawArraysIndirect(GL_TRIANGLES, reinterpret_cast<const void*>(size_t(zPass ? 0 : 16)));
-            else glDrawArraysInstanced(GL_TRIANGLES, 0, 72, GLsizei(count));
+            if (masked()) glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(size_t(zPass ? 0 : 20)));
+            else glDrawElementsInstanced(GL_TRIANGLES, 72, GL_UNSIGNED_INT, nullptr, GLsizei(count));
             ++tally.drawCalls;
             tally.trianglesSubmitted += 24 * count;
         };
