@@ -190,5 +190,29 @@ TEST_F(Resolution, EveryUpdatePolicyRendersTheMapsWhoseSizeChanges) {
     }
 }
 
+// The casters are listed before the maps change where a far field chooses among them: their look-ups follow all the same.
+TEST_F(Resolution, BesideAFarFieldLookUpsFollowInTheSameFrame) {
+    const scenegen::Scene scene = scenegen::loadScene("forest-small");
+    const gpuscene::GpuScene gpu(scene);
+    scenegen::View away = scene.views.front();
+    away.eye -= 60.0 * away.forward;
+    frame::Frame frame(gpu, away, 160, 120);
+    Renderer renderer(frame, technique("instanced"), settings({{"mode", "exact"}, {"far-field", "40"}}));
+    frame.look(scene.views.front());
+    renderer.replan();
+    size_t changes = 0;
+    for (int i = 0; i < 6; ++i) {
+        const size_t before = renderer.technique()->texelsInUse();
+        renderer.render(silent_);
+        const std::vector<float> now = renderer.visibility();
+        const bool changed = renderer.technique()->texelsInUse() != before;
+        renderer.render(silent_);
+        if (!changed || renderer.technique()->texelsInUse() == before) continue;
+        ++changes;
+        EXPECT_EQ(renderer.visibility(), now);
+    }
+    EXPECT_GT(changes, 0u);
+}
+
 }  // namespace
 }  // namespace dapple::shadow
