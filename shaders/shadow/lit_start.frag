@@ -13,11 +13,11 @@ layout(location = 1) out float oDepth;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    oDepth = texelFetch(uDepth, pixel, 0).r;
-    if (oDepth == 0.0) {
-        oVisibility = vec2(1.0, 0.0);
-        return;
-    }
-    vec3 normal = unpackNormal(texelFetch(uSurface, pixel, 0).z);
-    oVisibility = dot(normal, uLight) >= 0.0 ? vec2(0.0) : vec2(1.0);
+    float depth = texelFetch(uDepth, pixel, 0).r;
+    bool lit = depth > 0.0 && dot(unpackNormal(texelFetch(uSurface, pixel, 0).z), uLight) < 0.0;
+    oVisibility = depth == 0.0 ? vec2(1.0, 0.0) : lit ? vec2(1.0) : vec2(0.0);
+#ifdef UNLIT
+    depth = lit ? depth : UNLIT;
+#endif
+    oDepth = depth;
 }

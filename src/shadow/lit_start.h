@@ -2,6 +2,8 @@
 
 #include "frame/frame.h"
 
+#include <optional>
+
 namespace dapple::shadow {
 
 /// Start of the visibility image for techniques that darken it afterwards: lit and valid where the surface faces the sun,
@@ -11,10 +13,12 @@ public:
     enum class Depth {
         none,
         readable,     ///< R32F, to read while the frame's own is tested against
-        withStencil,  ///< D32F with 8 stencil bits, to test against; record() clears the bits
+        tested,       ///< D32F, to test against
+        withStencil,  ///< the same with 8 stencil bits; record() clears them
     };
-    /// Throws base::Error(failed) when there is no memory for the copy.
-    LitStart(const frame::Frame& frame, Depth copy);
+    /// `unlit`: what the copy holds where no light can arrive, at the sky and at surfaces that face away from the sun, instead of
+    /// the depth there. Throws base::Error(failed) when there is no memory for the copy.
+    LitStart(const frame::Frame& frame, Depth copy, std::optional<float> unlit = {});
     void record(measure::Ledger& tally) const;
     const gl::Texture& depth() const { return depth_; }
 

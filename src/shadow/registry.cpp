@@ -37,11 +37,12 @@ const std::vector<Axis> kAxes{
     {"cull", "casters left out of a map, or of the volumes",
      {{"none", "none"},
       {"frustum", "those whose shadow cannot reach the part of the view that the map serves"},
-      {"mask", "those whose shadow cannot reach a receiver in sight, found on the GPU"},
+      {"mask", "of volumes: as receivers, and those whose shadow cannot reach a receiver in sight, found on the GPU"},
       {"chc", "those that other casters hide from the sun, found by occlusion queries in the sun's view (2004)"},
       {"chcpp", "the same with CHC++: the reference of the receiver masks' paper"},
       {"hiz", "the same by hierarchical z in two phases, on the GPU"},
-      {"receivers", "as chcpp, but queries count only where the map's mask of visible receivers is set (Mattausch et al. 2011)"},
+      {"receivers", "as chcpp, but queries count only where the map's mask of visible receivers is set (Mattausch et al. 2011); of volumes: those of frustum, "
+                    "and at each pixel all, unless its surface faces the sun"},
       {"pyramid", "those that cover no texel that a receiver in sight looks up, or lie behind all such receivers, found on the GPU"}}},
     {"mask", "what a mask of visible receivers holds, for cull receivers",
      {{"scatter", "each texel that a visible pixel's look-up reads: exact"},
@@ -115,7 +116,7 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 
 Settings instancedPreset(const char* own) {
     return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"far-field", "none"}, {"far-cost", "600"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
-            {"cull", "frustum"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
+            {"cull", "receivers"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 
 const std::vector<TechniqueInfo> kTechniques{
@@ -199,10 +200,10 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
     const auto number = [&](const char* axisName) { return std::stol(settings.at(axisName)); };
     const auto differs = [&](const char* axisName) { return !is(axisName, info.defaults.at(axisName).c_str()); };
     if (info.defaults.contains("camera")) {
-        const auto asks = [&](const char* axisName) { return is(axisName, "chc") || is(axisName, "chcpp") || is(axisName, "receivers"); };
+        const auto asks = [&](const char* axisName) { return is(axisName, "chc") || is(axisName, "chcpp") || (info.family == "map" && is(axisName, "receivers")); };
         if (differs("leaf") && !asks("camera") && !asks("cull")) return "leaf is of the hierarchy that occlusion queries go through";
         if (differs("cluster") && is("camera", "none") && !(settings.contains("cull") && !is("cull", "none"))) return "clusters are for what is culled";
-        const bool coherent = is("camera", "chcpp") || is("cull", "chcpp") || is("cull", "receivers");
+        const bool coherent = is("camera", "chcpp") || is("cull", "chcpp") || (info.family == "map" && is("cull", "receivers"));
         if ((differs("batch") || differs("assumed-visible")) && !coherent) return "batch and assumed-visible are CHC++'s";
     }
     if (info.family == "baseline") return std::nullopt;
@@ -234,7 +235,7 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (is("mode", "exact") && !is("own", info.defaults.at("own").c_str())) return "mode exact gives every instance its own map";
         const bool volumes = !is("apply", "tiled") && !is("apply", "all");
         if (!volumes && !is("accumulate", "min")) return "without volumes nothing is blended: accumulate min";
-        if (!volumes && is("cull", "mask")) return "the mask is for volumes";
+        if (!volumes && !is("cull", "receivers")) return "without volumes no pixel is asked whose surface faces away from the sun: cull receivers";
         if (is("apply", "skip") && facts.rotated && !is("mode", "exact"))
             return "outside a caster's volume a map of another rotation may darken pixels, so apply skip goes with mode exact or casters that nobody turned";
         if (is("cull", "mask") && !is("accumulate", "min")) return "masked volumes are drawn in no fixed order: accumulate min";
@@ -250,8 +251,8 @@ std::optional<std::string> pruneReason(const TechniqueInfo& info, const Settings
         if (facts.translucent && is("accumulate", "stencil")) return "a stencil bit stops at the first shadow, but translucent casters' add up: accumulate multiply";
         if (!is("update", "round-robin") && !is("budget", info.defaults.at("budget").c_str())) return "only update round-robin has a budget";
         if (is("update", "moving") && !facts.moving) return "nothing moves in this scene: update cached";
-        if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull frustum";
-        if (!is("cull", "frustum") && !is("cull", "mask")) return "that is for one map's window; the volumes of instanced maps have cull mask";
+        if (is("cull", "none")) return "cull none draws volumes that cannot darken a pixel: cull receivers";
+        if (!is("cull", "frustum") && !is("cull", "receivers") && !is("cull", "mask")) return "that is for one map's window; the volumes of instanced maps have cull receivers and mask";
     }
     return std::nullopt;
 }

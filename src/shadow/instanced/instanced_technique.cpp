@@ -22,14 +22,17 @@ class InstancedTechnique final : public Technique {
 public:
     InstancedTechnique(frame::Frame& frame, const Settings& settings)
         : frame_(frame), settings_(settings), maps_(frame, settings), casters_(frame, maps_),
-          ownDepth_(is("accumulate", "stencil") || !is("exact-casters", "0")), start_(frame, ownDepth_ ? LitStart::Depth::withStencil : LitStart::Depth::readable) {
+          stencil_(is("accumulate", "stencil") || !is("exact-casters", "0")),
+          spares_((is("cull", "receivers") || masked()) && is("exact-casters", "0")),
+          start_(frame, stencil_ ? LitStart::Depth::withStencil : spares_ ? LitStart::Depth::tested : LitStart::Depth::readable,
+                 spares_ ? std::optional(is("apply", "zpass") ? 1.0f : 0.0f) : std::nullopt) {
         makePrograms();
         if (!is("exact-casters", "0"))
             exact_.emplace(frame, [this](const scenegen::Prototype& p) { return castsExactly(frame_.scene().scene(), p, settings_); },
                            SilhouetteVolumes::Count::stencil, true, start_.depth());
         if (!is("far-field", "none")) far_.emplace(frame, maps_, settings);
         const gl::Texture* visibility[] = {&frame_.visibility()};
-        volumeTarget_ = gl::makeFramebuffer(visibility, ownDepth_ ? &start_.depth() : &frame_.depth());
+        volumeTarget_ = gl::makeFramebuffer(visibility, &testedDepth());
         refresh();
     }
 
@@ -98,6 +101,8 @@ public:
                 passes.push_back({"exact.dark", {"visibility", "count"}, {"visibility"}, "dark where one of them holds the pixel", none,
                                   [this](Ledger& tally) { exact_->darken(tally); }});
             }
+            if (exact_ && is("cull", "receivers"))
+                passes.push_back({"begin.receivers", {}, {}, "no fragments where no light can arrive", "exact casters are counted against the depth of every pixel", {}});
             if (masked())
                 passes.push_back({"mask", {"gbuffer", "depth"}, {"survivors"}, "which instances' shadow volumes meet a visible receiver", leftOut,
                                   [this](Ledger& tally) { mask(tally); }});
@@ -120,7 +125,7 @@ public:
     size_t texelsInUse() const override { return maps_.atlas().texelsInUse() + (splits_ ? far_->technique().texelsInUse() : 0); }
     size_t mapBytes() const override { return Technique::mapBytes() + (far_ ? far_->technique().mapBytes() : 0); }
 
-    bool countOverdraw() override { return countVolumes(count_, &frame_.depth()); }
+    bool countOverdraw() override { return countVolumes(count_, &testedDepth()); }
     // Each volume is convex, so without a depth test it has one fragment per pixel, and membership alone decides.
     bool countCandidates() override { return countVolumes(candidates_, nullptr); }
 
@@ -144,6 +149,8 @@ public:
 private:
     bool is(const char* axisName, const char* value) const { return settings_.at(axisName) == value; }
     bool masked() const { return is("cull", "mask"); }
+    /// What the volumes are tested against; they read the other of the two depths.
+    const gl::Texture& testedDepth() const { return stencil_ || spares_ ? start_.depth() : frame_.depth(); }
     /// The casters that have volumes; with a far field the frame's first pass has chosen them.
     void collect() {
         if (splits_) casters_.update();
@@ -301,7 +308,7 @@ private:
         glEnable(GL_DEPTH_CLAMP);
         glEnable(GL_CULL_FACE);
         bind(program);
-        if (!ownDepth_) glBindTextureUnit(2, start_.depth().name());
+        if (&testedDepth() == &frame_.depth()) glBindTextureUnit(2, start_.depth().name());
         program.set("uExtrusion", float(casters_.extrusion().most));
         program.set("uFloor", float(casters_.extrusion().floor));
         glBindVertexArray(array_.name());
@@ -334,7 +341,8 @@ private:
     std::optional<DemandEstimate> demand_;
     std::optional<FarField> far_;             ///< with `far-field`
     bool splits_ = false;                     ///< some casters are far, as planned
-    bool ownDepth_;  ///< volumes are tested against a copy that has a stencil, and read the frame's
+    bool stencil_;  ///< volumes are tested against a copy of the depth that has a stencil
+    bool spares_;   ///< volumes have no fragments at the sky and at surfaces that face away from the sun: the copy's depth there fails their test
     LitStart start_;
     std::optional<SilhouetteVolumes> exact_;  ///< with `exact-casters`
     gl::Framebuffer volumeTarget_;
