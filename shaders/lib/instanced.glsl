@@ -13,7 +13,7 @@ struct Caster {
     vec4 against;  // 1 / direction of the light in its axes; κ², κ = horizontal radius / half height
     vec4 turn;     // its yaw, cosine and sine; texel of the coarser map across the light, metres
     CasterMap first, second;  // those about its rotation
-    uvec4 refers;  // to the two in the atlas; bits of a float: metres, in its own scale, by which its box is larger than it; unused here
+    uvec4 refers;  // to the two in the atlas; bits of floats, metres in its own scale: by which its box is larger than it, and `reach` than its box
 };
 layout(std430, binding = 1) restrict readonly buffer Casters { Caster casters[]; };
 
@@ -113,7 +113,7 @@ float lookUp(Caster c, vec3 p, vec3 normal) {
     p = biased(p, normal, b.light, max(c.turn.z, c.turn.w), slope, vec2(0.0), depthStep);
     // Precise: fragment and compute shaders give the same bits, whatever a compiler would fuse in one of them.
     precise vec3 q = (p - c.place.xyz) * c.place.w;
-    bool inside = all(lessThanEqual(abs(toBoxAxes(c, q) - c.box.xyz), c.reach.xyz));
+    bool inside = all(lessThanEqual(abs(toBoxAxes(c, q) - c.box.xyz), c.reach.xyz - uintBitsToFloat(c.refers.w)));
     precise vec3 s0 = mapCoordinates(c.first, c, q, inside), s1 = mapCoordinates(c.second, c, q, inside);
 #if MODE == 0    // the nearer map alone
     vec3 s = first ? s0 : s1;

@@ -53,14 +53,15 @@ CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
     caster.second = mapOf(second, secondTurn, type, scale);
     caster.place = glm::vec4(glm::vec3(glm::dvec3(instance.translation) - frame_.camera().eye), 1 / scale);
     caster.box = glm::vec4(type.box.centre(), frame_.scene().scene().prototypes[type.prototype].transmittance);
-    caster.reach = glm::vec4(type.box.halfSize() + strays_[size_t(maps_.typeOf(index))] / instance.scale, sample.weight);
+    const float stray = strays_[size_t(maps_.typeOf(index))] / instance.scale;
+    caster.reach = glm::vec4(type.box.halfSize() + stray, sample.weight);
     const glm::dvec3& l = frame_.light();
     glm::dvec3 light(c * l.x + s * l.y, c * l.y - s * l.x, l.z);
     for (int k = 0; k < 3; ++k)
         if (std::abs(light[k]) < 1e-12) light[k] = 1e-12;
     caster.against = glm::vec4(1.0 / light, kappa * kappa);
     caster.turn = {c, s, scale / double(std::min(caster.first.texels.x, caster.second.texels.x)), scale / double(std::min(caster.first.texels.y, caster.second.texels.y))};
-    caster.refers = {first + sample.first, second, std::bit_cast<uint32_t>(type.pad), uint32_t(maps_.typeOf(index))};
+    caster.refers = {first + sample.first, second, std::bit_cast<uint32_t>(type.pad), std::bit_cast<uint32_t>(stray)};
     return caster;
 }
 
@@ -138,7 +139,7 @@ void CasterList::upload() {
 
 std::vector<uint32_t> CasterList::uses() const {
     std::vector<uint32_t> uses(maps_.types().size(), 0);
-    for (const GpuCaster& caster : casters_) ++uses[caster.refers.w];
+    for (const uint32_t i : instances_) ++uses[size_t(maps_.typeOf(i))];
     return uses;
 }
 
