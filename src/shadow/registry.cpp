@@ -127,8 +127,8 @@ const std::vector<TechniqueInfo> kTechniques{
     {"lispsm", "map", "light-space perspective shadow map (Wimmer, Scherzer, Purgathofer 2004)",
      mapPreset("lispsm", "none", "1", "2048"), 2},
     {"cascaded", "map", "parallel-split shadow maps (Zhang et al. 2006)", mapPreset("frustum", "practical", "4", "1024"), 2},
-    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 4},
-    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 4},
+    {"instanced", "instanced", "rotated maps per caster type, applied in bounding shadow volumes (Buntin & Stamminger 2007)", instancedPreset("0"), 5},
+    {"instanced-near", "instanced", "the same, and maps of their own for the twelve instances that look largest", instancedPreset("12"), 5},
     {"stencil-volumes", "volume", "shadow volumes of the casters' silhouettes, counted behind the scene (Crow 1977; Everitt & Kilgard 2002)",
      withCamera({{"count", "stencil"}, {"cull", "frustum"}})},
 };
