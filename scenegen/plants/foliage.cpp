@@ -219,7 +219,8 @@ Mesh buildLeaves(const Species& species, std::span<const LeafSite> sites, LeafMo
     mesh.indices.reserve(3 * leafTriangles(shape, mode) * count);
     if (mode == LeafMode::card) mesh.uvs.reserve(corners * count);
 
-    const double growth = std::clamp(std::sqrt(available / double(count)), kMinGrowth, kMaxGrowth[lod]);
+    const double far = lod > 0 && mode == LeafMode::card ? species.leaves.cardFar[size_t(lod) - 1] : 1;
+    const double growth = far * std::clamp(std::sqrt(available / double(count)), kMinGrowth, kMaxGrowth[lod]);
     LeafBatch batch(mesh, species.leaves, shape, mode, growth, lod);
     double share = 0;
     size_t placed = 0;

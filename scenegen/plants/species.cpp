@@ -71,6 +71,13 @@ LeafParameters readLeaves(base::ConfigTable& t) {
     p.cardScale = t.number("cardScale", p.cardScale, 0.001, 20);
     p.cardScaleX = t.number("cardScaleX", p.cardScaleX, 0.01, 10);
     p.cardLeaves = t.number("cardLeaves", p.cardLeaves, 1, 1000);
+    if (t.has("cardFar")) {
+        const std::vector<double> far = t.numbers("cardFar", kLods - 1);
+        for (size_t k = 0; k < far.size(); ++k) {
+            if (far[k] < 0.1 || far[k] > 10) t.fail("cardFar", fmt::format("{} is not between 0.1 and 10", far[k]));
+            p.cardFar[k] = far[k];
+        }
+    }
     p.cardDownAngle = t.number("cardDownAngle", p.cardDownAngle, 0, 180);
     p.needles = t.boolean("needles", false);
     p.albedo = readAlbedo(t, "albedo");

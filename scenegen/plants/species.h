@@ -30,6 +30,8 @@ struct LevelParameters {
     int refine = 0;                        ///< levels of Catmull-Clark subdivision
 };
 
+inline constexpr int kLods = 3;
+
 /// The outlines that the paper names in section 4.9, and the diamond: two triangles, for leaves by the ten thousand.
 enum class LeafShape { diamond, oval, triangle, oak3, maple3, maple5, three };
 inline constexpr std::array kLeafShapes = {"diamond", "oval", "triangle", "oak3", "maple3", "maple5", "three"};
@@ -46,6 +48,9 @@ struct LeafParameters {
     double cardScale = 0.6;         ///< length of a card, metres; it stands for cardLeaves leaves
     double cardScaleX = 0.8;        ///< width / length of a card
     double cardLeaves = 8;
+    /// Of cards at the coarser levels, times the size that keeps their area: cards that lie over one another along a twig hide more
+    /// when they are fewer and larger, and a budget of many cards makes the finest level's no smaller than half.
+    std::array<double, kLods - 1> cardFar{1, 1};
     double cardDownAngle = 50;      ///< degrees, against the twig
     bool needles = false;           ///< the card shows a spray of needles, else a cluster of leaves
     glm::vec3 albedo{0.1f, 0.2f, 0.05f};  ///< linear
@@ -68,8 +73,6 @@ struct ColonisationParameters {
     double tropism = 0;      ///< added to the unit vectors that draw a node; > 0: upwards
     double pipe = 2.4;       ///< exponent of the pipe model: 2 keeps the area of the wood, more makes limbs thicker
 };
-
-inline constexpr int kLods = 3;
 
 struct Species {
     std::string name;
