@@ -17,7 +17,6 @@ HizCulling::HizCulling(const gpuscene::Items& items, const Options& options)
     visible_ = gl::Buffer::of<uint32_t>(none);
     std::vector<std::string> defines{options.reversed ? "SIGN -1.0" : "SIGN 1.0"};
     cells_ = gl::Program::compute("visibility/depth_cells.comp", defines);
-    if (options.warped) defines.push_back("WARPED");
     first_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
     defines.push_back("SECOND");
     second_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
@@ -25,9 +24,7 @@ HizCulling::HizCulling(const gpuscene::Items& items, const Options& options)
 
 void HizCulling::choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, visible_.name());
-    farthest_.setCells(program, {frame.depth->width(), frame.depth->height()});
-    program.set("uClip", glm::mat4(frame.view.clipFromRelative));
-    program.set("uLeastW", float(frame.leastW));
+    farthest_.setView(program, frame.view.clipFromRelative, frame.leastW, {frame.depth->width(), frame.depth->height()});
     // A perspective depth is as good as its distance; an orthographic one as good as its range.
     program.set("uSlack", reversed_ ? glm::vec2(1e-4, 0) : glm::vec2(0, 1e-5));
     farthest_.bind(0);

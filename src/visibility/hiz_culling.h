@@ -16,7 +16,6 @@ public:
         int pixels = 0;            ///< along the longer side of the view
         bool castersOnly = false;  ///< leave out what casts no shadow
         bool reversed = false;     ///< depth 1 is near, and tested with GL_GREATER
-        bool warped = false;       ///< the view's matrix is not affine
     };
     HizCulling(const gpuscene::Items& items, const Options& options);
 

@@ -11,9 +11,9 @@ constexpr int kMostCells = 1024;
 
 }  // namespace
 
-ReceiverPyramid::ReceiverPyramid(int mapSize, int layers, bool warped)
+ReceiverPyramid::ReceiverPyramid(int mapSize, int layers)
     : mapSize_(mapSize), pyramid_(GL_R32UI, int(std::bit_floor(unsigned(std::min(mapSize, kMostCells)))), layers) {
-    cull_ = gl::Program::compute("visibility/receiver_cull.comp", warped ? std::vector<std::string>{"WARPED"} : std::vector<std::string>{});
+    cull_ = gl::Program::compute("visibility/receiver_cull.comp");
 }
 
 void ReceiverPyramid::clear() {
@@ -33,9 +33,7 @@ base::ImageF ReceiverPyramid::mask(int layer) const {
 
 void ReceiverPyramid::choose(const gpuscene::ItemTable& table, const gpuscene::ItemTable::Groups& groups, int layer, const ViewFrame& frame, gpuscene::DrawList& list) const {
     cull_.set("uLayer", layer);
-    cull_.set("uClip", glm::mat4(frame.view.clipFromRelative));
-    cull_.set("uLeastW", float(frame.leastW));
-    pyramid_.setCells(cull_, glm::vec2(float(mapSize_)));
+    pyramid_.setView(cull_, frame.view.clipFromRelative, frame.leastW, glm::vec2(float(mapSize_)));
     cull_.set("uSlack", glm::vec2(0, 1e-5f));
     pyramid_.bind(0);
     table.choose(cull_, frame.view.eye, groups, list);
