@@ -37,9 +37,9 @@ Outline outlineOf(Box box, float deepest) {
             vec3 ray = uRelative[2].xyz - through * uRelative[2].w;  // to where all rays come from, a point or a direction
             vec3 normal = cross(edges[k], ray);
             // Part of the silhouette is an edge on one side of which the other three lie.
-            float a = dot(normal, edges[i]) * ((edge & 1u) == 0u ? 1.0 : -1.0), b = dot(normal, edges[j]) * ((edge & 2u) == 0u ? 1.0 : -1.0);
-            if (a * b < 0.0 || outline.sideCount == 6) continue;
-            vec3 side = divided(a + b < 0.0 ? -normal : normal, length(ray), through, deepest, rounding).xyw;
+            bool below = (dot(normal, edges[i]) < 0.0) == ((edge & 1u) == 0u);
+            if (below != ((dot(normal, edges[j]) < 0.0) == ((edge & 2u) == 0u)) || outline.sideCount == 6) continue;
+            vec3 side = divided(below ? -normal : normal, length(ray), through, deepest, rounding).xyw;
             outline.sides[outline.sideCount++] = side + vec3(0.0, 0.0, rounding);
         }
         for (int end = 0; end < 2; ++end) {
