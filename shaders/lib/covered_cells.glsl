@@ -65,12 +65,12 @@ bool mayBeBefore(Box box) {
     ivec2 a = ivec2((first + 0.5) * pixel), b = ivec2((last + 0.5) * pixel);
     float nearest = SIGN > 0.0 ? bounds.lo.z : -bounds.hi.z, slack = max(uSlack.x * abs(nearest), uSlack.y);
     // A quick look at few large cells; most boxes are done with it.
-    int level = levelOf(a, b, uLevels, 2);
+    int level = levelOf(a, b, uLevels, 4);
     float most = FAR_BEFORE_ALL;
     for (int y = a.y >> level; y <= b.y >> level; ++y)
         for (int x = a.x >> level; x <= b.x >> level; ++x) most = max(most, CELL_VALUE(ivec2(x, y), level));
     if (nearest - slack > most) return false;
-    level = levelOf(a, b, uLevels, 16);
+    level = levelOf(a, b, uLevels, 256);
     Outline outline = outlineOf(box, max(1.0, max(abs(bounds.lo.z), abs(bounds.hi.z))));
     for (int y = a.y >> level; y <= b.y >> level; ++y)
         for (int x = a.x >> level; x <= b.x >> level; ++x) {
