@@ -158,7 +158,7 @@ Outcome compare(const gpuscene::Items& items, const CullView& view, const Receiv
             }
         outcome.needed += needed;
         outcome.lost += needed && !kept.contains(item);
-        const bool large = std::max(to[0] - from[0], to[1] - from[1]) * side >= 14 * size;  // may be looked at in coarser cells
+        const bool large = (to[0] - from[0] + 2) * (to[1] - from[1] + 2) * side / size * side / size > 256;  // may be looked at in coarser cells
         outcome.loose += !needed && !nearly && !large && kept.contains(item);
     }
     return outcome;
