@@ -6,7 +6,8 @@
 namespace dapple::visibility {
 namespace {
 
-/// Finer cells find no fewer casters worth their cost: boxes are metres wide.
+/// Finer cells cost more than the casters that they find: with 2048 of a 2K map a frame of city-vienna took a tenth longer, for 2 to
+/// 8 % fewer casters.
 constexpr int kMostCells = 1024;
 
 }  // namespace
