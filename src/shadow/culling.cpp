@@ -12,7 +12,7 @@ const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings
 std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun, int pixels) {
     const gpuscene::Items& items = cullItems(scene, settings);
     if (method == "none" || method == "frustum") return std::make_unique<visibility::ListCulling>(items, sun);
-    if (method == "hiz") return std::make_unique<visibility::HizCulling>(items, visibility::HizCulling::Options{pixels, sun, !sun});
+    if (method == "hiz") return std::make_unique<visibility::HizCulling>(items, visibility::HizCulling::Options{.pixels = pixels, .square = sun, .castersOnly = sun, .reversed = !sun});
     visibility::QueryCulling::Options options;
     options.settings.algorithm = method == "chc" ? visibility::Algorithm::chc : visibility::Algorithm::chcpp;
     options.settings.batch = std::stoi(settings.at("batch"));

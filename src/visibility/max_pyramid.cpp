@@ -20,12 +20,12 @@ void MaxPyramid::reduce() const {
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
-void MaxPyramid::setView(const gl::Program& program, const glm::dmat4& clipFromRelative, double leastW, const glm::vec2& pixels) const {
+void MaxPyramid::setView(const gl::Program& program, const glm::dmat4& clipFromRelative, double leastW, const glm::vec2& pixels, int finer) const {
     program.set("uClip", glm::mat4(clipFromRelative));
     program.set("uRelative", glm::mat4(glm::inverse(clipFromRelative)));
     program.set("uLeastW", float(leastW));
-    program.set("uLevels", levels_);
-    program.set("uCells", float(cells()));
+    program.set("uLevels", levels_ + finer);
+    program.set("uCells", float(cells() << finer));
     program.set("uPixels", pixels);
 }
 
