@@ -24,9 +24,12 @@ ClipBounds clipBounds(Box box) {
     return bounds;
 }
 
-// The finest level of a pyramid at which the cells from a to b, of level 0, are no more than `cells` a side.
+// The finest level of a pyramid at which the cells from a to b, of level 0, are no more than `cells`.
 int levelOf(ivec2 a, ivec2 b, int levels, int cells) {
     int level = 0;
-    while (level < levels - 1 && any(greaterThanEqual((b >> level) - (a >> level), ivec2(cells)))) ++level;
+    for (; level < levels - 1; ++level) {
+        ivec2 sides = (b >> level) - (a >> level) + 1;
+        if (sides.x * sides.y <= cells) break;
+    }
     return level;
 }

@@ -1,101 +1,90 @@
-// Whether a box lies, in some cell that its image covers, before the cell's value: how far a view looks there. For culling
-// in compute shaders, after lib/item_table.glsl; who includes it defines CELL_VALUE(place, level), which is FAR_BEFORE_ALL
-// where the view looks at nothing, and SIGN (−1: depths are reversed).
+// Whether a box lies, at some pixel that its image covers, before the value of the pixel's cell: how far a view looks there. For
+// culling in compute shaders, after lib/item_table.glsl; who includes it defines CELL_VALUE(place, level), which is
+// FAR_BEFORE_ALL where the view looks at nothing, and SIGN (−1: depths are reversed). Any view will do whose matrix can be
+// inverted: a box's image is the convex body of the images of its planes.
 #include "lib/clip_bounds.glsl"
 #define FAR_BEFORE_ALL (-1e30)
+uniform mat4 uRelative;  // inverse of uClip
 uniform int uLevels;
 uniform float uCells;  // a side of the finest level
-uniform vec2 uMargin;  // cells that rasterisation and rounding may reach beyond the box
-uniform vec2 uSlack;   // the same of its depth: a part of it, and at least so much
+uniform vec2 uPixels;  // of the view; a pixel is in the cell in which its centre is, and in both where that is on a border
+uniform vec2 uSlack;   // of depth, that rasterisation may round: a part of it, and at least so much
 
-// Three axes that may separate the box's image from a square: the normals of its edges, or of their mean where a warp turns
-// them. xy: the axis; zw: where the image lies along it. In cells.
-vec4[3] separators(vec2 corners[8]) {
-    vec4 axes[3];
+// What bounds the image, in (x, y) of the divided clip space.
+struct Outline {
+    vec3 sides[6];  // the silhouette: inside, dot(side, (x, y, 1)) is not negative
+    vec3 faces[3];  // those that look at the view: behind them, SIGN · depth is no less than dot(face, (x, y, 1))
+    int sideCount, faceCount;
+};
+
+// A plane through a point as it is after the division, and what floats may round of it there: `size` is that of the normal's terms.
+vec4 divided(vec3 normal, float size, vec3 through, float deepest, out float rounding) {
+    vec4 terms = vec4(vec3(size), size * dot(vec3(1.0), abs(through))), most = vec4(1.0, 1.0, deepest, 1.0);
+    rounding = 0.0;
+    for (int k = 0; k < 4; ++k) rounding += 5e-7 * most[k] * dot(terms, abs(uRelative[k]));
+    return vec4(normal, -dot(normal, through)) * uRelative;
+}
+
+Outline outlineOf(Box box, float deepest) {
+    Outline outline;
+    outline.sideCount = outline.faceCount = 0;
+    vec3 edges[3] = vec3[](vec3(box.cosSinYaw, 0.0), vec3(-box.cosSinYaw.y, box.cosSinYaw.x, 0.0), vec3(0.0, 0.0, 1.0));
+    float rounding;
     for (int k = 0; k < 3; ++k) {
-        vec2 edge = corners[1 << k] - corners[0] + corners[7] - corners[7 ^ (1 << k)];
-        axes[k] = vec4(-edge.y, edge.x, 1e30, -1e30);
-        for (int corner = 0; corner < 8; ++corner) {
-            float along = dot(axes[k].xy, corners[corner]);
-            axes[k].zw = vec2(min(axes[k].z, along), max(axes[k].w, along));
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        for (uint edge = 0u; edge < 4u; ++edge) {
+            vec3 through = boxCorner(box, ((edge & 1u) << i) | ((edge >> 1) << j));
+            vec3 ray = uRelative[2].xyz - through * uRelative[2].w;  // to where all rays come from, a point or a direction
+            vec3 normal = cross(edges[k], ray);
+            // Part of the silhouette is an edge on one side of which the other three lie.
+            bool below = (dot(normal, edges[i]) < 0.0) == ((edge & 1u) == 0u);
+            if (below != ((dot(normal, edges[j]) < 0.0) == ((edge & 2u) == 0u)) || outline.sideCount == 6) continue;
+            vec3 side = divided(below ? -normal : normal, length(ray), through, deepest, rounding).xyw;
+            outline.sides[outline.sideCount++] = side + vec3(0.0, 0.0, rounding);
+        }
+        for (int end = 0; end < 2; ++end) {
+            vec4 face = divided(end == 0 ? edges[k] : -edges[k], 1.0, boxCorner(box, end == 0 ? 0u : 7u), deepest, rounding);
+            if (SIGN * face.z <= 0.0 || outline.faceCount == 3) continue;
+            outline.faces[outline.faceCount++] = (-face.xyw - vec3(0.0, 0.0, rounding)) / abs(face.z);
         }
     }
-    return axes;
+    return outline;
 }
-bool covers(vec4 axes[3], vec2 centre, float halfSide) {
-    for (int k = 0; k < 3; ++k) {
-        float along = dot(axes[k].xy, centre), reach = halfSide * (abs(axes[k].x) + abs(axes[k].y));
-        if (along + reach < axes[k].z || along - reach > axes[k].w) return false;
-    }
-    return true;
-}
-
-#ifndef WARPED
-// The box seen from the sun: a parallelepiped, as the view is not WARPED (a perspective is). Its centre and half its edges, in cells and depth.
-struct Prism {
-    vec3 centre, edge[3];
-};
-Prism prismOf(Box box) {
-    vec3 toCells = vec3(0.5 * uCells, 0.5 * uCells, 1.0), corner = (uClip * vec4(boxCorner(box, 0u), 1.0)).xyz;
-    Prism prism;
-    prism.centre = corner;
-    for (int k = 0; k < 3; ++k) {
-        prism.edge[k] = 0.5 * ((uClip * vec4(boxCorner(box, 1u << k), 1.0)).xyz - corner);
-        prism.centre += prism.edge[k];
-        prism.edge[k] *= toCells;
-    }
-    prism.centre = (prism.centre + vec3(1.0, 1.0, 0.0)) * toCells;
-    return prism;
-}
-// Depth before which the sun's rays through a square cannot enter it: behind its three faces that look at the sun.
-float beginning(Prism prism, vec2 centre, float halfSide) {
-    float depth = -1e30;
-    for (int k = 0; k < 3; ++k) {
-        vec3 normal = cross(prism.edge[(k + 1) % 3], prism.edge[(k + 2) % 3]);
-        if (normal.z == 0.0) continue;
-        vec2 slope = normal.xy / normal.z;
-        if (abs(slope.x) + abs(slope.y) > 0.04) continue;  // nearly edge on: over the window, rounding would exceed the slack
-        depth = max(depth, prism.centre.z - dot(slope, centre - prism.centre.xy) - abs(dot(normal, prism.edge[k]) / normal.z) - halfSide * (abs(slope.x) + abs(slope.y)));
-    }
-    return depth;
-}
-#endif
 
 bool mayBeBefore(Box box) {
     ClipBounds bounds = clipBounds(box);
     if (bounds.outside) return false;
     if (!bounds.known) return true;
-    vec2 first = floor((bounds.lo.xy * 0.5 + 0.5) * uCells - uMargin), last = floor((bounds.hi.xy * 0.5 + 0.5) * uCells + uMargin);
-    if (any(lessThan(last, vec2(0.0))) || any(greaterThanEqual(first, vec2(uCells)))) return false;
-    ivec2 a = ivec2(max(first, vec2(0.0))), b = ivec2(min(last, vec2(uCells - 1.0)));
+    // Covered is a pixel whose centre is: to an eighth of it, for vertices on the coarsest grid that GL allows, and what floats
+    // round of a place.
+    vec2 margin = 0.125 + 1e-5 * uPixels;
+    vec2 first = max(ceil((bounds.lo.xy * 0.5 + 0.5) * uPixels - margin - 0.5), vec2(0.0));
+    vec2 last = min(floor((bounds.hi.xy * 0.5 + 0.5) * uPixels + margin - 0.5), uPixels - 1.0);
+    if (any(greaterThan(first, last))) return false;
+    vec2 pixel = uCells / uPixels;
+    ivec2 a = ivec2((first + 0.5) * pixel), b = ivec2((last + 0.5) * pixel);
     float nearest = SIGN > 0.0 ? bounds.lo.z : -bounds.hi.z, slack = max(uSlack.x * abs(nearest), uSlack.y);
     // A quick look at few large cells; most boxes are done with it.
-    int level = levelOf(a, b, uLevels, 2);
+    int level = levelOf(a, b, uLevels, 4);
     float most = FAR_BEFORE_ALL;
     for (int y = a.y >> level; y <= b.y >> level; ++y)
         for (int x = a.x >> level; x <= b.x >> level; ++x) most = max(most, CELL_VALUE(ivec2(x, y), level));
     if (nearest - slack > most) return false;
-    level = levelOf(a, b, uLevels, 16);
-    vec2 corners[8];
-    for (uint corner = 0u; corner < 8u; ++corner) {
-        vec4 q = uClip * vec4(boxCorner(box, corner), 1.0);
-        corners[corner] = (q.xy / q.w * 0.5 + 0.5) * uCells;
-    }
-    vec4 axes[3] = separators(corners);
-#ifndef WARPED
-    Prism prism = prismOf(box);
-#endif
+    level = levelOf(a, b, uLevels, 256);
+    Outline outline = outlineOf(box, max(1.0, max(abs(bounds.lo.z), abs(bounds.hi.z))));
     for (int y = a.y >> level; y <= b.y >> level; ++y)
         for (int x = a.x >> level; x <= b.x >> level; ++x) {
             float value = CELL_VALUE(ivec2(x, y), level);
             if (nearest - slack > value) continue;
-            float side = float(1 << level), reach = 0.5 * side + max(uMargin.x, uMargin.y);
-            vec2 centre = (vec2(x, y) + 0.5) * side;
-            if (!covers(axes, centre, reach)) continue;
-#ifndef WARPED
-            if (beginning(prism, centre, reach) - slack > value) continue;
-#endif
-            return true;
+            vec2 size = float(1 << level) / pixel;
+            vec2 from = max(ceil(vec2(x, y) * size - 0.501), first), to = min(floor(vec2(x + 1, y + 1) * size - 0.499), last);
+            if (any(greaterThan(from, to))) continue;
+            vec3 centre = vec3((from + to + 1.0) / uPixels - 1.0, 1.0);
+            vec2 reach = (to - from + 2.0 * margin) / uPixels;
+            bool inside = true;
+            for (int i = 0; i < outline.sideCount && inside; ++i) inside = dot(outline.sides[i], centre) + dot(abs(outline.sides[i].xy), reach) >= 0.0;
+            for (int i = 0; i < outline.faceCount && inside; ++i) inside = dot(outline.faces[i], centre) - dot(abs(outline.faces[i].xy), reach) - slack <= value;
+            if (inside) return true;
         }
     return false;
 }

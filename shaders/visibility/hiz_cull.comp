@@ -2,11 +2,16 @@
 // the depth which that has left: everything, so that what has come to light is drawn, and what is visible remembered.
 #include "lib/item_table.glsl"
 layout(binding = 0) uniform sampler2DArray uFarthest;  // SIGN · depth
+layout(binding = 1) uniform sampler2D uDepth;          // the finest level, where its pixels are the cells (IMAGE_CELLS)
 layout(std430, binding = 6) restrict buffer Visible { uint visible[]; };
 #define CELL_VALUE(cell, level) farthestIn(cell, level)
 // Where a sun's map, drawn with depth clamp, is 0 already, nothing can come before.
 float farthestIn(ivec2 cell, int level) {
+#ifdef IMAGE_CELLS
+    float depth = level == 0 ? SIGN * texelFetch(uDepth, cell, 0).r : texelFetch(uFarthest, ivec3(cell, 0), level - 1).r;
+#else
     float depth = texelFetch(uFarthest, ivec3(cell, 0), level).r;
+#endif
     return SIGN > 0.0 && depth <= 0.0 ? -1e30 : depth;
 }
 #include "lib/covered_cells.glsl"

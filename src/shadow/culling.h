@@ -13,8 +13,8 @@ namespace dapple::shadow {
 const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings& settings);
 
 /// For an axis `camera` or `cull` with the value `method`; not pyramid. `sun`: casters alone, nearest with the least depth.
-/// `warped`: the view's matrix is not affine. `pixels`: along the longer side of the view.
-std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun, bool warped, int pixels);
+/// `pixels`: along the longer side of the view; a sun's is square.
+std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun, int pixels);
 
 /// Axis `camera`: what the G-buffer pass draws.
 class CameraCulling {

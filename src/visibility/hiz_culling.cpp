@@ -12,12 +12,13 @@ constexpr int kMostCells = 1024;
 
 HizCulling::HizCulling(const gpuscene::Items& items, const Options& options)
     : table_(items.table(options.castersOnly)), reversed_(options.reversed),
-      farthest_(GL_R32F, int(std::bit_floor(unsigned(std::min(options.pixels, kMostCells)))), 1), nearest_(gl::makeSampler({})) {
+      imageCells_(options.square && options.pixels > 1 && options.pixels <= 2 * kMostCells && std::has_single_bit(unsigned(options.pixels))),
+      farthest_(GL_R32F, imageCells_ ? options.pixels / 2 : int(std::bit_floor(unsigned(std::min(options.pixels, kMostCells)))), 1), nearest_(gl::makeSampler({})) {
     const std::vector<uint32_t> none(table_.size(), 0);
     visible_ = gl::Buffer::of<uint32_t>(none);
     std::vector<std::string> defines{options.reversed ? "SIGN -1.0" : "SIGN 1.0"};
     cells_ = gl::Program::compute("visibility/depth_cells.comp", defines);
-    if (options.warped) defines.push_back("WARPED");
+    if (imageCells_) defines.push_back("IMAGE_CELLS");
     first_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
     defines.push_back("SECOND");
     second_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
@@ -25,12 +26,12 @@ HizCulling::HizCulling(const gpuscene::Items& items, const Options& options)
 
 void HizCulling::choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, visible_.name());
-    farthest_.setCells(program, {frame.depth->width(), frame.depth->height()});
-    program.set("uClip", glm::mat4(frame.view.clipFromRelative));
-    program.set("uLeastW", float(frame.leastW));
+    farthest_.setView(program, frame.view.clipFromRelative, frame.leastW, {frame.depth->width(), frame.depth->height()}, imageCells_);
     // A perspective depth is as good as its distance; an orthographic one as good as its range.
     program.set("uSlack", reversed_ ? glm::vec2(1e-4, 0) : glm::vec2(0, 1e-5));
     farthest_.bind(0);
+    glBindTextureUnit(1, frame.depth->name());
+    glBindSampler(1, nearest_.name());
     table_.choose(program, frame.view.eye, groups_, list);
 }
 

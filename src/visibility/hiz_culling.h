@@ -14,9 +14,9 @@ class HizCulling final : public Culling {
 public:
     struct Options {
         int pixels = 0;            ///< along the longer side of the view
+        bool square = false;       ///< along the other side too
         bool castersOnly = false;  ///< leave out what casts no shadow
         bool reversed = false;     ///< depth 1 is near, and tested with GL_GREATER
-        bool warped = false;       ///< the view's matrix is not affine
     };
     HizCulling(const gpuscene::Items& items, const Options& options);
 
@@ -27,7 +27,7 @@ private:
     void choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list);
 
     const gpuscene::ItemTable& table_;
-    bool reversed_;
+    bool reversed_, imageCells_;  // whether a pixel is a cell: then the pyramid begins with the next level
     MaxPyramid farthest_;
     gl::Buffer visible_;  // by place in the table
     gl::Program first_, second_, cells_;

@@ -20,12 +20,13 @@ void MaxPyramid::reduce() const {
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
-void MaxPyramid::setCells(const gl::Program& program, const glm::vec2& pixels) const {
-    program.set("uLevels", levels_);
-    program.set("uCells", float(cells()));
-    // A pixel is covered where its centre is: an eighth of it for vertices on the coarsest grid that GL allows, and what floats
-    // round of a place.
-    program.set("uMargin", 0.125f * float(cells()) / pixels + 1e-5f * float(cells()));
+void MaxPyramid::setView(const gl::Program& program, const glm::dmat4& clipFromRelative, double leastW, const glm::vec2& pixels, int finer) const {
+    program.set("uClip", glm::mat4(clipFromRelative));
+    program.set("uRelative", glm::mat4(glm::inverse(clipFromRelative)));
+    program.set("uLeastW", float(leastW));
+    program.set("uLevels", levels_ + finer);
+    program.set("uCells", float(cells() << finer));
+    program.set("uPixels", pixels);
 }
 
 void MaxPyramid::bind(GLuint unit) const {

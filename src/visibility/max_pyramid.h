@@ -18,8 +18,9 @@ public:
     void reduce() const;
     /// Binds it to a texture unit.
     void bind(GLuint unit) const;
-    /// Sets uLevels, uCells and uMargin of lib/covered_cells.glsl, for what is drawn into an image of `pixels`.
-    void setCells(const gl::Program& program, const glm::vec2& pixels) const;
+    /// Sets all but uSlack of lib/covered_cells.glsl, for what is drawn into an image of `pixels`. `leastW`: clip w up to which
+    /// nothing is known of a box; `finer`: levels before level 0 that the program has from elsewhere.
+    void setView(const gl::Program& program, const glm::dmat4& clipFromRelative, double leastW, const glm::vec2& pixels, int finer = 0) const;
 
 private:
     int levels_ = 0;

@@ -15,9 +15,8 @@ namespace dapple::visibility {
 /// Whoever resolves the map fills the finest level, because he alone knows what his look-ups read.
 class ReceiverPyramid {
 public:
-    /// `mapSize`: texels along a side; `layers`: maps that have a pyramid each; `warped`: their matrices are not affine. Throws
-    /// base::Error(failed): no memory.
-    ReceiverPyramid(int mapSize, int layers, bool warped);
+    /// `mapSize`: texels along a side; `layers`: maps that have a pyramid each. Throws base::Error(failed): no memory.
+    ReceiverPyramid(int mapSize, int layers);
 
     void clear();
     /// R32UI array, keys of lib/receiver_key.glsl, to be filled with imageAtomicMax at level 0.

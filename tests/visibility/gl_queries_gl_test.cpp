@@ -3,8 +3,7 @@
 #include "base/random.h"
 #include "frame/yard.h"
 #include "gl/context.h"
-#include "gpuscene/gpu_scene.h"
-#include "visibility/views.h"
+#include "visibility/raster.h"
 
 #include <gtest/gtest.h>
 
@@ -16,71 +15,25 @@ namespace {
 using gpuscene::GpuScene;
 using gpuscene::Hierarchy;
 
-/// A depth target, its scene, and the leaves of a hierarchy over the instances.
-class Raster : public LeafRenderer {
+/// One that draws the leaves of a hierarchy over the instances.
+class LeafRaster : public Raster, public LeafRenderer {
 public:
-    Raster(const GpuScene& scene, const Hierarchy& hierarchy, int width, int height)
-        : scene_(scene), hierarchy_(hierarchy), depth_(GL_DEPTH_COMPONENT32F, width, height), target_(gl::makeFramebuffer({}, &depth_)),
-          opaque_("shadow/map_depth.vert", ""), alpha_("shadow/map_depth.vert", "shadow/map_depth.frag", {"ALPHA_TEST"}) {}
-
-    /// An empty frame: reversed z for a camera, depth clamp for a sun.
-    void start(const CullView& view) {
-        view_ = view;
-        gl::resetState();
-        glBindFramebuffer(GL_FRAMEBUFFER, target_.name());
-        glViewport(0, 0, depth_.width(), depth_.height());
-        const float farthest = view.parallel ? 1 : 0;
-        glClearBufferfv(GL_DEPTH, 0, &farthest);
-        glEnable(GL_DEPTH_TEST);
-        glDepthFunc(view.parallel ? GL_LESS : GL_GREATER);
-        if (view.parallel) glEnable(GL_DEPTH_CLAMP);
-    }
+    LeafRaster(const GpuScene& scene, const Hierarchy& hierarchy, int width, int height) : Raster(scene, width, height), hierarchy_(hierarchy) {}
     void draw(std::span<const uint32_t> leaves) override {
         std::set<uint32_t> kept;
         for (const uint32_t leaf : leaves) kept.insert(hierarchy_.items(leaf).begin(), hierarchy_.items(leaf).end());
         submit([&](uint32_t i) { return kept.contains(i); });
     }
-    std::vector<float> everything() {
-        submit([](uint32_t) { return true; });
-        return read();
-    }
-    std::vector<float> read() const {
-        std::vector<float> texels(size_t(depth_.width()) * size_t(depth_.height()));
-        glGetTextureImage(depth_.name(), 0, GL_DEPTH_COMPONENT, GL_FLOAT, GLsizei(texels.size() * sizeof(float)), texels.data());
-        return texels;
-    }
-    QueryState queryState() const { return {.width = depth_.width(), .height = depth_.height(), .depthClamp = view_.parallel}; }
+    QueryState queryState() const { return {.width = depth().width(), .height = depth().height(), .depthClamp = view().parallel}; }
 
 private:
-    void submit(const std::function<bool(uint32_t)>& keep) {
-        scene_.collect(view_.eye, keep, list_);
-        for (const gl::Program* program : {&opaque_, &alpha_}) {
-            const bool solid = program == &opaque_;
-            program->set("uLightClip", glm::mat4(view_.clipFromRelative));
-            program->use();
-            scene_.draw(list_, solid ? gpuscene::Bucket::opaque : gpuscene::Bucket::alphaTested,
-                        solid ? gpuscene::Attributes::position : gpuscene::Attributes::positionUv, program->name());
-        }
-    }
-    const GpuScene& scene_;
     const Hierarchy& hierarchy_;
-    gl::Texture depth_;
-    gl::Framebuffer target_;
-    gl::Program opaque_, alpha_;
-    gpuscene::DrawList list_;
-    CullView view_;
 };
 
 Hierarchy hierarchyOf(const GpuScene& scene, uint64_t leafTriangles) {
     std::vector<uint32_t> triangles;
     for (const scenegen::Instance& instance : scene.scene().instances) triangles.push_back(uint32_t(scene.prototypes()[instance.prototype].triangles));
     return Hierarchy(scene.instanceBoxes(), triangles, {leafTriangles, 1});
-}
-
-CullView cameraAt(const glm::dvec3& eye, const glm::dvec3& forward) { return CullView::camera(eye, cameraMatrix(forward, 0.8, 0.6, 0.3, 300), 0.3); }
-CullView sunAt(const glm::dvec3& eye, const glm::dvec3& direction, double half, double warp = 0) {
-    const glm::dvec3 l = glm::normalize(direction);
-    return CullView::sun(eye, sunMatrix(l, half, -20, 60, warp), l);  // what stands before z = −20 relies on depth clamp
 }
 
 class GlQueriesTest : public ::testing::Test {
@@ -90,18 +43,12 @@ protected:
     gl::Context context_;
 };
 
-size_t different(const std::vector<float>& a, const std::vector<float>& b) {
-    size_t count = 0;
-    for (size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
-    return count;
-}
-
 // The oracle of the sheet: the depth image is that of drawing everything, bit for bit, while the view jumps in each frame.
 TEST_F(GlQueriesTest, CullingChangesNoBitOfTheDepth) {
     const scenegen::Scene yard = frame::yard(600);
     const GpuScene scene(yard);
     const Hierarchy hierarchy = hierarchyOf(scene, 24);
-    Raster raster(scene, hierarchy, 160, 120);
+    LeafRaster raster(scene, hierarchy, 160, 120);
     for (const int kind : {0, 1, 2})  // camera, orthographic sun, warped sun
         for (const CullSettings& settings : {CullSettings{}, CullSettings{.batch = 8, .assumedVisible = 0}, CullSettings{.algorithm = Algorithm::chc}}) {
             OcclusionCuller culler(hierarchy, settings);
@@ -149,7 +96,7 @@ TEST_F(GlQueriesTest, CastersBelowAPixelAreNeverLost) {
     const scenegen::Scene strewn = specks();
     const GpuScene scene(strewn);
     const Hierarchy hierarchy = hierarchyOf(scene, 1);  // a leaf each
-    Raster raster(scene, hierarchy, 96, 72);
+    LeafRaster raster(scene, hierarchy, 96, 72);
     GlQueries queries;
     size_t lost = 0, lostWithoutMargin = 0, covered = 0;
     // Level with the flakes, so that they are seen edge-on; along axes and askew.
@@ -178,7 +125,7 @@ TEST_F(GlQueriesTest, AMaskKeepsWhatItIsSetFor) {
     const GpuScene scene(yard);
     const Hierarchy hierarchy = hierarchyOf(scene, 12);
     constexpr int kSize = 128, kCoarse = 32;
-    Raster raster(scene, hierarchy, kSize, kSize);
+    LeafRaster raster(scene, hierarchy, kSize, kSize);
     GlQueries queries;
     const CullView view = sunAt({0, 0, 1}, {0.3, 0.5, -0.6}, 30);
     raster.start(view);
@@ -213,7 +160,7 @@ TEST_F(GlQueriesTest, WhatLiesBeforeTheNearPlaneIsSeen) {
     const scenegen::Scene yard = frame::yard(10);
     const GpuScene scene(yard);
     const Hierarchy hierarchy = hierarchyOf(scene, 1'000'000);
-    Raster raster(scene, hierarchy, 64, 64);
+    LeafRaster raster(scene, hierarchy, 64, 64);
     const glm::dvec3 down(0, 0, -1);
     for (const bool clamp : {true, false}) {  // whatever the renderer draws with
         const CullView view = CullView::sun({0, 0, 0}, sunMatrix(down, 40, 500, 600), down);  // everything is 500 m nearer to the sun

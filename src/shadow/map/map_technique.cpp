@@ -41,7 +41,7 @@ public:
         resolve_ = gl::Program("passes/fullscreen.vert", "shadow/map_resolve.frag", defines);
         if (!map_.name()) return;
         if (is("cull", "pyramid")) {
-            pyramid_.emplace(size_, layers_, kind_ == FitKind::lispsm);
+            pyramid_.emplace(size_, layers_);
             scatter_ = gl::Program::compute("shadow/map_receivers.comp", defines);
         }
         for (int i = 0; i < layers_; ++i) {
@@ -49,7 +49,7 @@ public:
             c.layer = map_.view(i);
             if (pyramid_) c.culling = std::make_unique<visibility::PyramidCulling>(items_, *pyramid_, i);
             else if (casts) c.culling = std::make_unique<visibility::ListCulling>(items_, true, casts);
-            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true, kind_ == FitKind::lispsm, size_);
+            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true, size_);
         }
         if (is("cull", "receivers")) mask_.emplace(frame, items_, settings, map_, defines);
     }

@@ -1,0 +1,197 @@
+// Boxes against a pyramid of receivers, and against all lines of sight to pixel centres, one by one in double.
+#include "visibility/receiver_pyramid.h"
+
+#include "base/random.h"
+#include "gl/context.h"
+#include "gpuscene/gpu_scene.h"
+#include "scenegen/primitives.h"
+#include "visibility/views.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <set>
+
+namespace dapple::visibility {
+namespace {
+
+/// Specks, needles, flat sheets, crates, towers and blocks, turned and scaled, strewn about the origin.
+scenegen::Scene boxes() {
+    scenegen::Scene scene;
+    scene.materials.resize(1);
+    for (const glm::vec3& size : {glm::vec3(0.02f), glm::vec3(9, 0.03f, 0.03f), glm::vec3(0.03f, 0.03f, 7), glm::vec3(5, 4, 0), glm::vec3(0, 3, 6), glm::vec3(1.5f), glm::vec3(2, 3, 15), glm::vec3(6, 5, 12)})
+        scene.prototypes.push_back({"box", {scenegen::boxMesh(size)}, true, false});
+    base::Random random(3, 0, 0);
+    for (uint32_t i = 0; i < 3000; ++i)
+        scene.instances.push_back({{random.next(-40, 40), random.next(-40, 40), random.next(-15, 30)}, random.next(0.3f, 1.2f), i % 3 ? random.next(0, 6.28f) : 0, i % 8});
+    scene.views.emplace_back();
+    return scene;
+}
+
+/// A map, and by pixel the farthest reference depth of the look-ups that read it; −1: none.
+struct Receivers {
+    int size;
+    std::vector<float> depth;
+
+    Receivers(int pixels, base::Random& random) : size(pixels), depth(size_t(pixels) * size_t(pixels), -1) {
+        const float waves[] = {random.next(1, 9), random.next(1, 9), random.next(0, 6)};
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x) {
+                const float u = float(x) / float(size), v = float(y) / float(size), height = 0.5f + 0.4f * std::sin(waves[0] * u + waves[2]) * std::cos(waves[1] * v);
+                const bool patch = std::sin(40 * u + waves[2]) * std::sin(31 * v) > 0.8f;
+                if (patch || random.next() < 0.002f) depth[size_t(y) * size_t(size) + size_t(x)] = std::clamp(height + (random.next() < 0.1f ? random.next(-0.3f, 0.3f) : 0), 0.0f, 1.0f);
+            }
+    }
+    float at(int x, int y) const { return depth[size_t(y) * size_t(size) + size_t(x)]; }
+
+    /// The largest of each cell's pixels, one on a border in both.
+    std::vector<float> cells(int side) const {
+        std::vector<float> most(size_t(side) * size_t(side), -1);
+        for (int y = 0; y < size; ++y)
+            for (int x = 0; x < size; ++x)
+                for (const double dy : {-1e-3, 1e-3})
+                    for (const double dx : {-1e-3, 1e-3}) {
+                        float& value = most[cellOf(y, side, dy) * size_t(side) + cellOf(x, side, dx)];
+                        value = std::max(value, at(x, y));
+                    }
+        return most;
+    }
+    size_t cellOf(int pixel, int side, double moved = 0) const { return std::min(size_t((pixel + 0.5) * side / size + moved), size_t(side) - 1); }
+};
+
+/// A box of the scene, seen by the sun.
+struct Seen {
+    glm::dmat4 clip, relative;
+    glm::dvec3 position, lo, hi;  ///< metres relative to the eye; prototype space times scale
+    double cosYaw, sinYaw;
+
+    Seen(const CullView& view, const gpuscene::Items& items, uint32_t item) : clip(view.clipFromRelative), relative(glm::inverse(clip)) {
+        const scenegen::Instance& i = items.instance(item);
+        const base::Box& box = items.part(item).box;
+        position = glm::dvec3(i.translation) - view.eye;
+        lo = glm::dvec3(box.lo) * double(i.scale);
+        hi = glm::dvec3(box.hi) * double(i.scale);
+        cosYaw = std::cos(double(i.yaw));
+        sinYaw = std::sin(double(i.yaw));
+    }
+    glm::dvec3 point(const glm::dvec3& p) const { return position + glm::dvec3(cosYaw * p.x - sinYaw * p.y, sinYaw * p.x + cosYaw * p.y, p.z); }
+    glm::dvec3 local(const glm::dvec3& v) const { return {cosYaw * v.x + sinYaw * v.y, cosYaw * v.y - sinYaw * v.x, v.z}; }
+    glm::dvec4 corner(int c) const { return clip * glm::dvec4(point(base::DBox{lo, hi}.corner(c)), 1); }
+    bool beyondASide() const {
+        for (int side = 0; side < 4; ++side) {
+            bool all = true;
+            for (int c = 0; c < 8 && all; ++c) all = (side % 2 ? 1 : -1) * corner(c)[side / 2] > corner(c).w;
+            if (all) return true;
+        }
+        return false;
+    }
+    /// Depth at which the sun's line through a place of the map (ndc) enters the box, 0 before the map's near plane; 2: it does
+    /// not. The box is `grown` on all sides (metres).
+    double entry(const glm::dvec2& place, double grown = 0) const {
+        glm::dvec3 ends[2];
+        for (int k = 0; k < 2; ++k) {
+            const glm::dvec4 q = relative * glm::dvec4(place, k, 1);
+            ends[k] = local(glm::dvec3(q) / q.w - position);
+        }
+        const glm::dvec3 along = ends[1] - ends[0];
+        double in = -1e300, out = 1e300;
+        for (int k = 0; k < 3; ++k) {
+            if (along[k] == 0 && (ends[0][k] < lo[k] - grown || ends[0][k] > hi[k] + grown)) return 2;
+            if (along[k] == 0) continue;
+            const double a = (lo[k] - grown - ends[0][k]) / along[k], b = (hi[k] + grown - ends[0][k]) / along[k];
+            in = std::max(in, std::min(a, b));
+            out = std::min(out, std::max(a, b));
+        }
+        return in > out ? 2 : std::max(in, 0.0);  // the views' w does not change along the light: depth is the share of the way
+    }
+};
+
+struct Outcome {
+    size_t kept = 0, needed = 0, lost = 0, loose = 0;
+};
+
+/// Needed is a box which the line through some pixel's centre enters no later than the pixel's receivers lie. Loose is one that
+/// is kept although, a quarter of a pixel larger, it would not be needed by the cells' values either.
+Outcome compare(const gpuscene::Items& items, const CullView& view, const Receivers& receivers, double metresPerPixel) {
+    ReceiverPyramid pyramid(receivers.size, 2);
+    pyramid.clear();
+    const int side = pyramid.cells();
+    const std::vector<float> cells = receivers.cells(side);
+    std::vector<GLuint> keys(cells.size());
+    for (size_t i = 0; i < keys.size(); ++i) keys[i] = cells[i] < 0 ? 0 : std::bit_cast<GLuint>(cells[i]) + 1;
+    glTextureSubImage3D(pyramid.texture().name(), 0, 0, 0, 1, side, side, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, keys.data());
+    pyramid.reduce();
+    PyramidCulling culling(items, pyramid, 1);
+    constexpr double kLeastW = 0.05;
+    culling.draw({.view = view, .leastW = kLeastW}, [](const gpuscene::DrawList&) {});
+    const std::vector<uint32_t> drawn = culling.drawn();
+    const std::set<uint32_t> kept(drawn.begin(), drawn.end());
+    Outcome outcome;
+    outcome.kept = kept.size();
+    const int size = receivers.size;
+    for (uint32_t item = 0; item < items.size(); ++item) {
+        const Seen box(view, items, item);
+        base::DBox ndc;
+        double leastW = 1e300;
+        for (int c = 0; c < 8; ++c) {
+            leastW = std::min(leastW, box.corner(c).w);
+            ndc.extend(glm::dvec3(box.corner(c)) / box.corner(c).w);
+        }
+        if (leastW <= kLeastW) {  // nothing is known of it but that it is not outside
+            outcome.lost += !kept.contains(item) && view.mayContain(view.relative(items.boxes()[item])) && !box.beyondASide();
+            continue;
+        }
+        int from[2], to[2];
+        for (int k = 0; k < 2; ++k) {
+            from[k] = std::max(0, int(std::floor((ndc.lo[k] + 1) / 2 * size)) - 1);
+            to[k] = std::min(size - 1, int(std::floor((ndc.hi[k] + 1) / 2 * size)) + 1);
+        }
+        bool needed = false, nearly = false;
+        for (int y = from[1]; y <= to[1] && !needed; ++y)
+            for (int x = from[0]; x <= to[0] && !needed; ++x) {
+                const float most = cells[receivers.cellOf(y, side) * size_t(side) + receivers.cellOf(x, side)];
+                if (most < 0) continue;
+                const glm::dvec2 place = (glm::dvec2(x, y) + 0.5) * (2.0 / size) - 1.0;
+                needed = box.entry(place) <= receivers.at(x, y);
+                nearly = nearly || box.entry(place, 0.25 * metresPerPixel) <= most + 1e-4;
+            }
+        outcome.needed += needed;
+        outcome.lost += needed && !kept.contains(item);
+        const bool large = (to[0] - from[0] + 2) * (to[1] - from[1] + 2) * side / size * side / size > 256;  // may be looked at in coarser cells
+        outcome.loose += !needed && !nearly && !large && kept.contains(item);
+    }
+    return outcome;
+}
+
+class ReceiverPyramidTest : public ::testing::Test {
+protected:
+    ReceiverPyramidTest() : context_(gl::Context::headless()) {}
+    ~ReceiverPyramidTest() override { EXPECT_NO_THROW(gl::checkErrors("test")); }
+    gl::Context context_;
+};
+
+TEST_F(ReceiverPyramidTest, KeepsWhatAPixelNeedsAndLittleElse) {
+    const scenegen::Scene scene = boxes();
+    const gpuscene::GpuScene gpu(scene);
+    const glm::dvec3 suns[] = {{0.3, 0.5, -0.6}, {0, 0, -1}, {0, 1, -0.2}, {1, 0, -1e-3}, {-0.7, 0.2, -0.4}};
+    base::Random random(9, 0, 0);
+    Outcome sum;
+    for (const int size : {64, 100, 256, 2048})  // 100: of 64 cells; 2048: of 1024
+        for (const double warp : {0.0, 0.6, 0.97})
+            for (const glm::dvec3& sun : suns) {
+                const glm::dvec3 l = glm::normalize(sun);
+                const double half = random.next(15, 45);
+                const CullView view = CullView::sun({random.next(-5, 5), random.next(-5, 5), 1}, sunMatrix(l, half, -12, 25, warp), l);
+                const Outcome outcome = compare(gpu.items(), view, Receivers(size, random), 2 * half / size);
+                EXPECT_EQ(outcome.lost, 0u) << size << " pixels, warp " << warp << ", sun " << sun.x << " " << sun.y << " " << sun.z;
+                sum.kept += outcome.kept;
+                sum.needed += outcome.needed;
+                sum.loose += outcome.loose;
+            }
+    EXPECT_GT(sum.needed, 20'000u);
+    EXPECT_LT(sum.loose * 100, sum.kept);
+}
+
+}  // namespace
+}  // namespace dapple::visibility
