@@ -127,6 +127,16 @@ Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filte
             std::vector<std::string> sceneSettings = sweep.sceneSettings;
             for (const std::string& setting : variantSettings(variant)) sceneSettings.push_back(setting);
             for (const std::string& stressName : stress) {
+                const auto named = [&](const std::string& view, const TechniqueEntry& entry, const shadow::Settings& settings) {
+                    return PointSpec{scene, sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height, variant, sweep.path};
+                };
+                // A city takes seconds to grow: one that the filter leaves out is not.
+                const auto askedFor = [&](const std::string& view) {
+                    return std::ranges::any_of(sweep.entries, [&](const TechniqueEntry& entry) {
+                        return std::ranges::any_of(expand(entry), [&](const shadow::Settings& settings) { return filter.accepts(named(view, entry, settings)); });
+                    });
+                };
+                if (!sweep.views.empty() && std::ranges::none_of(sweep.views, askedFor)) continue;
                 const SceneFacts facts = workbench.sceneFacts(scene, sceneSettings, stressName);
                 plan.sceneHashes[scene + (variant.empty() ? "" : "[" + variant + "]") + (stressName.empty() ? "" : "/" + stressName)] = base::hex16(facts.contentHash);
                 if (sweep.path && sweep.path->secondsPerFrame > 0 && !facts.facts.moving)
@@ -138,7 +148,7 @@ Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filte
                 for (const std::string& view : viewsOf(sweep, scene, facts))
                     for (const TechniqueEntry& entry : sweep.entries)
                         for (const shadow::Settings& settings : expand(entry)) {
-                            PointSpec spec{scene, sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height, variant, sweep.path};
+                            PointSpec spec = named(view, entry, settings);
                             const std::string id = pointId(spec, facts.contentHash);
                             if (!filter.accepts(spec) || !ids.insert(id).second) continue;
                             const auto reason = shadow::pruneReason(shadow::technique(entry.technique), settings, facts.facts, limits);

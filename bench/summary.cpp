@@ -63,7 +63,7 @@ void removeSummary(const std::string& folder) {
     if (!fs::is_directory(folder)) return;
     for (const fs::directory_entry& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {})) {
         const std::string name = entry.path().filename().string();
-        if (name.starts_with("work_precision_") || name.starts_with("error_by_") || name == "table.csv" || name == "table.md") fs::remove(entry.path());
+        if (name.starts_with("work_precision_") || name.find("_by_") != std::string::npos || name == "table.csv" || name == "table.md") fs::remove(entry.path());
     }
 }
 

@@ -251,11 +251,24 @@ def testCurves(top):
             run.add("instanced", 20.0, error, variant=f"sun.elevation={degrees}", rotations=number)
     folder = run.write(top / "variants", {"x": "variant", "y": "mean_absolute"})
     done = plot(folder)
-    svg = folder / "error_by_variant_forest-small_1024x768.svg"
+    svg = folder / "mean_absolute_by_variant_forest-small_1024x768.svg"
     texts = re.findall(r"<!-- (.*?) -->", svg.read_text()) if svg.exists() else []
     check("variants of one number make an axis with its name", {"10", "45", "80", "sun.elevation"} <= set(texts) and not done.stderr,
           (texts, done.stderr))
     check("the sweep's metric is the one drawn", "Mean error by sun.elevation: forest-small · 1024×768 · near" in texts, texts)
+    run = FakeRun()
+    for radius in ("640", "1280"):
+        run.add("unshadowed", 10.0, 0.3, variant=f"radius={radius}", bytesOf=0)
+        run.add("bare", 12.0, None, variant=f"radius={radius}")
+        for cull in ("frustum", "pyramid"):
+            run.add("uniform", 20.0, 0.1, variant=f"radius={radius}", cull=cull, bytesOf=2**20)
+    folder = run.write(top / "times", {"x": "variant", "y": "frame_time"})
+    done = plot(folder)
+    svg = folder / "frame_time_by_variant_forest-small_1024x768.svg"
+    texts = re.findall(r"<!-- (.*?) -->", svg.read_text()) if svg.exists() else []
+    check("frame times stand beside the unshadowed frame's and say their unit",
+          texts.count("unshadowed") == 1 and {"frustum", "pyramid", "median frame time, ms"} <= set(texts) and "bare" not in texts, (texts, done.stderr))
+    check("memory that is the same for all that has any is not drawn", "maps, MiB" not in texts, texts)
     run = FakeRun()
     for name in ("oak", "fir"):
         run.add("instanced", 20.0, 0.1, variant=f"species.0.name={name}; species.1.name={name}")

@@ -1,5 +1,6 @@
 """Error, or the metric that a sweep's [plot] names, against one of its axes: a line per setting, a column of panels per value of `columns`, a
-row per scene variant and view, and below them the memory of the maps. What does not vary along the axis is a level line."""
+row per scene variant and view, and below them the memory of the maps. What does not vary along the axis is a level line. Frame times have
+the unshadowed frame beside them: a view that holds more costs more without any shadow."""
 import matplotlib.pyplot as plt
 import numpy
 import pandas
@@ -12,10 +13,12 @@ from work_precision import describeLost, plainTicks
 
 PANEL_SIZE = (4.2, 3.4)  # inches
 MEMORY_HEIGHT = 1.6
-# metric → (title, name of its axis)
-NAMES = {"error": ("Error", "error: share of wrong pixels"),
-         "mean_absolute": ("Mean error", "mean |visibility − truth|"),
-         "excess_flips": ("Popping", "excess flips: share of pixels a frame")}
+# metric → (title, name of its axis, whether it is a share)
+NAMES = {"error": ("Error", "error: share of wrong pixels", True),
+         "mean_absolute": ("Mean error", "mean |visibility − truth|", True),
+         "excess_flips": ("Popping", "excess flips: share of pixels a frame", True),
+         "frame_time": ("Frame time", "median frame time, ms", False)}
+YARDSTICK = "unshadowed"
 LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic;
 SCENE_LOG_RANGE = 100  # of what sets scenes apart: counts may span so much, angles do not
 
@@ -37,9 +40,11 @@ def positions(values, name):
 
 def split(points, request, axes):
     """`points` with columns line (its label), level (does not vary along x) and column (panel; empty: all of them)."""
-    points = points[~points.technique.isin(BASELINES)].copy()
+    kept = (YARDSTICK,) if request["y"] == "frame_time" else ()
+    points = points[~points.technique.isin(set(BASELINES) - set(kept))].copy()
     x, columns = request["x"], request["columns"]
     others = [axis for axis in axes if axis not in (x, columns)]
+    several = points.technique[points.technique != YARDSTICK].nunique() > 1
     points["column"] = points[columns] if columns else ""
     points["level"] = False
     points["line"] = ""
@@ -47,10 +52,10 @@ def split(points, request, axes):
         level = own[own.state != "pruned"][x].nunique() < 2
         points.loc[own.index, "level"] = level
         varying = [a for a in others if points[points.technique == technique][a].nunique() > 1]
-        words = [technique if points.technique.nunique() > 1 else "", column if level else ""]
+        words = [technique if several or technique == YARDSTICK else "", column if level else ""]
         for index, row in own.iterrows():
-            shown = words if level else words[:1] + [f"{a} {row[a]}" if row[a].isdigit() else row[a] for a in varying]
-            points.loc[index, "line"] = " ".join(filter(None, shown)) or technique
+            named = [f"{a} {row[a]}" if len(varying) > 1 or row[a].isdigit() else row[a] for a in varying]
+            points.loc[index, "line"] = " ".join(filter(None, words if level else [words[0], ", ".join(named)])) or technique
     points.loc[points.level, "column"] = ""
     return points
 
@@ -102,8 +107,11 @@ def drawCurves(run, points, stem):
     columns = list(dict.fromkeys(along.column))
     # Lines that vary first, so that their colours do not depend on how many levels there are.
     lines = list(dict.fromkeys([*along.line, *measured.line]))
+    lines.sort(key=lambda line: line == YARDSTICK)
     styles = {line: (COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]) for i, line in enumerate(lines)}
-    memory = measured[(measured.texture_bytes > 0) & (measured.texture_bytes.nunique() > 1)].copy()
+    styles[YARDSTICK] = (MUTED, "")
+    memory = measured[measured.texture_bytes > 0].copy()
+    memory = memory if memory.texture_bytes.nunique() > 1 else memory.head(0)
     memory["mib"] = memory.texture_bytes / 2**20
     notes = describeLost(points[points.state != "pruned"])
     positive = measured.loc[measured[y] > 0, y]
@@ -112,14 +120,15 @@ def drawCurves(run, points, stem):
     if not signed and (measured[y] == 0).any():
         notes.insert(0, "A logarithmic axis has no 0: ▼ points without any stand at half the least.")
 
-    width = PANEL_SIZE[0] * len(columns) + 1.9
+    legend = max(1.1, 0.55 + 0.062 * max(map(len, lines)))  # inches that the widest label takes
+    width = PANEL_SIZE[0] * len(columns) + 0.8 + legend
     height = PANEL_SIZE[1] * len(rows) + (MEMORY_HEIGHT + 0.4 if len(memory) else 0) + 1.1 + 0.145 * len(notes)
     figure, panels = plt.subplots(len(rows) + bool(len(memory)), len(columns), figsize=(width, height), squeeze=False, sharex=True,
                                   height_ratios=[PANEL_SIZE[1]] * len(rows) + [MEMORY_HEIGHT] * bool(len(memory)), sharey="row")
-    title, yName = NAMES.get(y, (y, y))
+    title, yName, share = NAMES.get(y, (y, y, False))
     long = max(map(len, shown.values())) > 8  # labels that stand aslant
     bottom, top = addTexts(figure, " · ".join(filter(None, [f"{title} by {x if ',' in name else name}: {points.place.iloc[0]}", *common])), run.machine, notes, int(width * 15))
-    figure.subplots_adjust(left=0.8 / width, right=1 - 1.5 / width, bottom=bottom + (0.95 if long else 0.5) / height, top=top - 0.25 / height,
+    figure.subplots_adjust(left=0.8 / width, right=1 - legend / width, bottom=bottom + (0.95 if long else 0.5) / height, top=top - 0.25 / height,
                            wspace=0.08, hspace=0.2)
     for row, key in enumerate(rows):
         here = measured[(measured[keys] == key).all(axis=1)] if keys else measured
@@ -143,7 +152,7 @@ def drawCurves(run, points, stem):
     if len(memory):
         panels[-1][0].set_ylabel("maps, MiB")
     for axes in panels[:len(rows)].flat:
-        text = (lambda number: f"{number * 100:g} %") if y in NAMES else (lambda number: f"{number:g}")
+        text = (lambda number: f"{number * 100:g} %") if share else (lambda number: f"{number:g}")
         if signed:
             axes.yaxis.set_major_formatter(FuncFormatter(lambda number, _, text=text: text(round(number, 6))))
         else:
@@ -153,5 +162,5 @@ def drawCurves(run, points, stem):
     levels = set(measured.line[measured.level])
     handles = [Line2D([], [], color=styles[line][0], label=line, markersize=5, linestyle=(0, (5, 2)) if line in levels else "-",
                       marker="" if line in levels else styles[line][1]) for line in lines]
-    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - 1.45 / width, top - 0.1 / height), fontsize=8, labelspacing=0.7)
+    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - (legend - 0.05) / width, top - 0.1 / height), fontsize=8, labelspacing=0.7)
     return save(figure, stem)

@@ -2,8 +2,8 @@
 """plot.py DIR: draws the figures of a run and writes its table, into its folder.
 
 Work-precision diagrams (work_precision_<scene>_<size>.svg, .png, .pdf), for a stability run the heat map
-(stability.*), for a sweep with a [plot] x the error along it (error_by_<x>_<scene>_<size>.*), for one with a [motion] frame times along its path
-(path_times_<scene>_<size>.*), and table.csv, table.md. Prints the paths that it wrote. The same input gives the same bytes.
+(stability.*), for a sweep with a [plot] its metric along x (<metric>_by_<x>_<scene>_<size>.*), for one with a [motion] frame times along its
+path (path_times_<scene>_<size>.*), and table.csv, table.md. Prints the paths that it wrote. The same input gives the same bytes.
 Exit codes: 2 not the folder of a run, 4 damaged or of another schema."""
 import re
 import sys
@@ -45,7 +45,7 @@ def report(folder):
             paths += drawPathTimes(run, points, folder, folder / f"path_times_{slug(place)}")
     if run.plot:
         for place, points in run.points.groupby("place", sort=False):
-            paths += drawCurves(run, points, folder / f"error_by_{slug(run.plot['x'])}_{slug(place)}")
+            paths += drawCurves(run, points, folder / f"{slug(run.plot['y'])}_by_{slug(run.plot['x'])}_{slug(place)}")
         return paths
     if run.stability:
         return paths + drawHeatMap(run, folder / "stability")

@@ -103,8 +103,8 @@ def drawPanel(axes, points, allAxes, styles):
     for number, (baseline, style) in enumerate(zip(BASELINES, ("-", ":"))):
         for row in points[(points.technique == baseline) & points.frame_ms.notna()].head(1).itertuples():
             axes.axvline(row.frame_ms, color="#444444", linestyle=style, linewidth=1, zorder=2)
-            axes.annotate(f"{baseline} {row.frame_ms:.3g} ms", (row.frame_ms, 1), (-3, -2), textcoords="offset points",
-                          xycoords=("data", "axes fraction"), rotation=90, ha="right", va="top", fontsize=7,
+            axes.annotate(f"{baseline} {row.frame_ms:.3g} ms", (row.frame_ms, 0), (-3, 2), textcoords="offset points",
+                          xycoords=("data", "axes fraction"), rotation=90, ha="right", va="bottom", fontsize=7,
                           color="#444444")
     plainTicks(axes.xaxis, lambda value: f"{value:g}")
     plainTicks(axes.yaxis, lambda value: f"{value * 100:g} %")

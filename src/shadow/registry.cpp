@@ -99,7 +99,7 @@ const std::vector<Axis> kAxes{
      {{"none", "none"},
       {"auto", "those beyond the distance at which the predicted cost of both together is least"},
       {"each", "near or far, those whose own volume is predicted to cost more than their triangles"}}, 0, 1000000},
-    {"far-cost", "for far-field auto and each: what a triangle in the far casters' maps costs, in hundredths of what a pixel of a volume costs", {}, 0, 1000000},
+    {"far-cost", "for far-field auto and each: what a triangle in the far casters' maps costs, in hundredths of what a pixel that a volume covers costs", {}, 0, 1000000},
     {"exact-casters", "closed opaque casters of at most so many triangles cast stencil shadow volumes, the others instanced maps", {}, 0, 1000000},
 };
 
@@ -115,7 +115,7 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 }
 
 Settings instancedPreset(const char* own) {
-    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"far-field", "none"}, {"far-cost", "600"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"far-field", "none"}, {"far-cost", "3200"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
             {"cull", "receivers"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 

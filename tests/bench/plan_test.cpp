@@ -163,6 +163,24 @@ TEST(Plan, FiltersByTextOfTheWholePoint) {
     EXPECT_EQ(codeOf([&] { count({"("}); }), base::ExitCode::usage);
 }
 
+// Growing a city takes seconds.
+TEST(Plan, ScenesThatTheFilterLeavesOutAreNotBuilt) {
+    struct Counting : TestWorkbench {
+        std::vector<std::string> built;
+        SceneFacts sceneFacts(const std::string& scene, const std::vector<std::string>& settings, const std::string& stress) override {
+            std::string name = scene;
+            for (const std::string& setting : settings) name += " " + setting;
+            built.push_back(name);
+            return TestWorkbench::sceneFacts(scene, settings, stress);
+        }
+    } bench;
+    Sweep sweep = smallSweep();
+    sweep.views = {"front", "back"};
+    sweep.variants = {"scale=1", "scale=16"};
+    EXPECT_EQ(makePlan(sweep, bench, PointFilter({"^b ", "scale=16$", "back"})).points.size(), 4u);
+    EXPECT_EQ(bench.built, std::vector<std::string>{"b scale=16"});
+}
+
 TEST(Plan, UnknownScenesAndViewsAreNamed) {
     TestWorkbench bench;
     Sweep sweep = smallSweep();

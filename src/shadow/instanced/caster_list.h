@@ -28,6 +28,7 @@ public:
     std::vector<bool> mapsInUse() const;
 
 private:
+    // As in shaders/lib/instanced.glsl.
     struct GpuMap {
         glm::vec4 texels, square, light, turn;
     };
