@@ -62,8 +62,9 @@ void removeSummary(const std::string& folder) {
     fs::remove_all(fs::path(folder) / kPictures);
     if (!fs::is_directory(folder)) return;
     for (const fs::directory_entry& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {})) {
-        const std::string name = entry.path().filename().string();
-        if (name.starts_with("work_precision_") || name.find("_by_") != std::string::npos || name == "table.csv" || name == "table.md") fs::remove(entry.path());
+        const std::string name = entry.path().filename().string(), form = entry.path().extension().string();
+        const bool figure = form == ".svg" || form == ".png" || form == ".pdf";
+        if ((figure && (name.starts_with("work_precision_") || name.find("_by_") != std::string::npos)) || name == "table.csv" || name == "table.md") fs::remove(entry.path());
     }
 }
 
