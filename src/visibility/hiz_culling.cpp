@@ -8,12 +8,19 @@ namespace {
 
 constexpr int kMostCells = 1024;
 
+/// A side of the pyramid's finest level. In a camera's view, which is the reversed one, a cell is 2 to 4 pixels wide: with cells half as
+/// wide frames of flythrough, city-vienna and level-outdoor took 1 to 7 % longer, for 0.2 % fewer triangles.
+int finestCells(const HizCulling::Options& options) {
+    const int cells = int(std::bit_floor(unsigned(options.pixels)));
+    return std::clamp(options.reversed ? cells / 2 : cells, 1, kMostCells);
+}
+
 }  // namespace
 
 HizCulling::HizCulling(const gpuscene::Items& items, const Options& options)
     : table_(items.table(options.castersOnly)), reversed_(options.reversed),
       imageCells_(options.square && options.pixels > 1 && options.pixels <= 2 * kMostCells && std::has_single_bit(unsigned(options.pixels))),
-      farthest_(GL_R32F, imageCells_ ? options.pixels / 2 : int(std::bit_floor(unsigned(std::min(options.pixels, kMostCells)))), 1), nearest_(gl::makeSampler({})) {
+      farthest_(GL_R32F, imageCells_ ? options.pixels / 2 : finestCells(options), 1), nearest_(gl::makeSampler({})) {
     const std::vector<uint32_t> none(table_.size(), 0);
     visible_ = gl::Buffer::of<uint32_t>(none);
     std::vector<std::string> defines{options.reversed ? "SIGN -1.0" : "SIGN 1.0"};
