@@ -22,12 +22,18 @@ std::vector<std::string> axesOf(const Plan& plan) {
     return names;
 }
 
-std::vector<std::string> viewsOf(const Sweep& sweep, const std::string& scene, const SceneFacts& facts) {
-    if (sweep.views.empty()) return {facts.views.at(0)};
+/// Throws UsageError where the scene lacks a view of the sweep's, has nothing that its motion moves, or its sun would meet the
+/// horizon or the zenith.
+void checkScene(const Sweep& sweep, const std::string& scene, const SceneFacts& facts) {
     for (const std::string& view : sweep.views)
         if (std::find(facts.views.begin(), facts.views.end(), view) == facts.views.end())
             throw base::UsageError(fmt::format("scene '{}': {}", scene, base::unknownName("view", view, facts.views)));
-    return sweep.views;
+    if (!sweep.path) return;
+    if (sweep.path->secondsPerFrame > 0 && !facts.facts.moving)
+        throw base::UsageError(fmt::format("sweep '{}', [motion]: seconds_per_frame, but nothing moves in scene '{}'", sweep.name, scene));
+    for (const int end : {0, sweep.path->frames - 1})
+        if (const double e = sweep.path->at(facts.sun, end).elevation; !(e > 0 && e < 90))
+            throw base::UsageError(fmt::format("sweep '{}', [motion]: in frame {} the sun of scene '{}' is {} degrees high; its path must stay between 0 and 90", sweep.name, end, scene, e));
 }
 
 }  // namespace
@@ -127,31 +133,22 @@ Plan makePlan(const Sweep& sweep, Workbench& workbench, const PointFilter& filte
             std::vector<std::string> sceneSettings = sweep.sceneSettings;
             for (const std::string& setting : variantSettings(variant)) sceneSettings.push_back(setting);
             for (const std::string& stressName : stress) {
-                const auto named = [&](const std::string& view, const TechniqueEntry& entry, const shadow::Settings& settings) {
-                    return PointSpec{scene, sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height, variant, sweep.path};
+                std::optional<SceneFacts> built;  // a city takes seconds to grow: not one that the filter leaves out
+                const auto facts = [&]() -> const SceneFacts& {
+                    if (built) return *built;
+                    built = workbench.sceneFacts(scene, sceneSettings, stressName);
+                    checkScene(sweep, scene, *built);
+                    plan.sceneHashes[scene + (variant.empty() ? "" : "[" + variant + "]") + (stressName.empty() ? "" : "/" + stressName)] = base::hex16(built->contentHash);
+                    return *built;
                 };
-                // A city takes seconds to grow: one that the filter leaves out is not.
-                const auto askedFor = [&](const std::string& view) {
-                    return std::ranges::any_of(sweep.entries, [&](const TechniqueEntry& entry) {
-                        return std::ranges::any_of(expand(entry), [&](const shadow::Settings& settings) { return filter.accepts(named(view, entry, settings)); });
-                    });
-                };
-                if (!sweep.views.empty() && std::ranges::none_of(sweep.views, askedFor)) continue;
-                const SceneFacts facts = workbench.sceneFacts(scene, sceneSettings, stressName);
-                plan.sceneHashes[scene + (variant.empty() ? "" : "[" + variant + "]") + (stressName.empty() ? "" : "/" + stressName)] = base::hex16(facts.contentHash);
-                if (sweep.path && sweep.path->secondsPerFrame > 0 && !facts.facts.moving)
-                    throw base::UsageError(fmt::format("sweep '{}', [motion]: seconds_per_frame, but nothing moves in scene '{}'", sweep.name, scene));
-                if (sweep.path)
-                    for (const int end : {0, sweep.path->frames - 1})
-                        if (const double e = sweep.path->at(facts.sun, end).elevation; !(e > 0 && e < 90))
-                            throw base::UsageError(fmt::format("sweep '{}', [motion]: in frame {} the sun of scene '{}' is {} degrees high; its path must stay between 0 and 90", sweep.name, end, scene, e));
-                for (const std::string& view : viewsOf(sweep, scene, facts))
+                for (const std::string& view : sweep.views.empty() ? std::vector{facts().views.at(0)} : sweep.views)
                     for (const TechniqueEntry& entry : sweep.entries)
                         for (const shadow::Settings& settings : expand(entry)) {
-                            PointSpec spec = named(view, entry, settings);
-                            const std::string id = pointId(spec, facts.contentHash);
-                            if (!filter.accepts(spec) || !ids.insert(id).second) continue;
-                            const auto reason = shadow::pruneReason(shadow::technique(entry.technique), settings, facts.facts, limits);
+                            PointSpec spec{scene, sceneSettings, stressName, entry.technique, settings, view, sweep.width, sweep.height, variant, sweep.path};
+                            if (!filter.accepts(spec)) continue;
+                            const std::string id = pointId(spec, facts().contentHash);
+                            if (!ids.insert(id).second) continue;
+                            const auto reason = shadow::pruneReason(shadow::technique(entry.technique), settings, facts().facts, limits);
                             plan.points.push_back({id, std::move(spec), reason.value_or("")});
                         }
             }

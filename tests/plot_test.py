@@ -260,14 +260,16 @@ def testCurves(top):
     for radius in ("640", "1280"):
         run.add("unshadowed", 10.0, 0.3, variant=f"radius={radius}", bytesOf=0)
         run.add("bare", 12.0, None, variant=f"radius={radius}")
-        for cull in ("frustum", "pyramid"):
-            run.add("uniform", 20.0, 0.1, variant=f"radius={radius}", cull=cull, bytesOf=2**20)
+        for camera, cull in (("frustum", "frustum"), ("chcpp", "receivers-of-any-kind")):
+            run.add("uniform", 20.0, 0.1, variant=f"radius={radius}", camera=camera, cull=cull, bytesOf=2**20)
     folder = run.write(top / "times", {"x": "variant", "y": "frame_time"})
     done = plot(folder)
     svg = folder / "frame_time_by_variant_forest-small_1024x768.svg"
     texts = re.findall(r"<!-- (.*?) -->", svg.read_text()) if svg.exists() else []
     check("frame times stand beside the unshadowed frame's and say their unit",
-          texts.count("unshadowed") == 1 and {"frustum", "pyramid", "median frame time, ms"} <= set(texts) and "bare" not in texts, (texts, done.stderr))
+          texts.count("unshadowed") == 1 and {"camera frustum, cull frustum", "median frame time, ms"} <= set(texts) and "bare" not in texts, (texts, done.stderr))
+    edge = matplotlib.image.imread(svg.with_suffix(".png"))[:, -4:, :3]
+    check("no label is cut off by the figure's edge", (edge == 1).all(), edge.min())
     check("memory that is the same for all that has any is not drawn", "maps, MiB" not in texts, texts)
     run = FakeRun()
     for name in ("oak", "fir"):

@@ -40,8 +40,8 @@ def positions(values, name):
 
 def split(points, request, axes):
     """`points` with columns line (its label), level (does not vary along x) and column (panel; empty: all of them)."""
-    kept = (YARDSTICK,) if request["y"] == "frame_time" else ()
-    points = points[~points.technique.isin(set(BASELINES) - set(kept))].copy()
+    dropped = [name for name in BASELINES if name != YARDSTICK or request["y"] != "frame_time"]
+    points = points[~points.technique.isin(dropped)].copy()
     x, columns = request["x"], request["columns"]
     others = [axis for axis in axes if axis not in (x, columns)]
     several = points.technique[points.technique != YARDSTICK].nunique() > 1

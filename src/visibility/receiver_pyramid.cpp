@@ -6,8 +6,9 @@
 namespace dapple::visibility {
 namespace {
 
-/// With 1024 a 2K map of city-vienna at scale 16 has 1.6 to 1.7 times the casters that it needs instead of 1.1 to 1.4, and its frame takes
-/// as long: what a software rasteriser saves in triangles it spends on cells. Finer ones cost more than they spare.
+/// With 1024 a 2K map of city-vienna at scale 16 draws 1.6 to 1.7 times the casters that it needs instead of 1.1 to 1.4, and its frame takes
+/// as long: what a software rasteriser saves in triangles it spends on cells. With 4096 a 4K map draws 1.3 to 1.6 times as many instead
+/// of 1.6 to 1.7, and its frame takes 1.1 to 1.2 times as long.
 constexpr int kMostCells = 2048;
 
 }  // namespace
