@@ -9,10 +9,10 @@ namespace dapple::shadow {
 
 const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings& settings) { return scene.items(uint32_t(std::stoul(settings.at("cluster")))); }
 
-std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun, int pixels) {
+std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun, const glm::ivec2& pixels) {
     const gpuscene::Items& items = cullItems(scene, settings);
     if (method == "none" || method == "frustum") return std::make_unique<visibility::ListCulling>(items, sun);
-    if (method == "hiz") return std::make_unique<visibility::HizCulling>(items, visibility::HizCulling::Options{.pixels = pixels, .square = sun, .castersOnly = sun, .reversed = !sun});
+    if (method == "hiz") return std::make_unique<visibility::HizCulling>(items, visibility::HizCulling::Options{.pixels = pixels, .castersOnly = sun, .reversed = !sun});
     visibility::QueryCulling::Options options;
     options.settings.algorithm = method == "chc" ? visibility::Algorithm::chc : visibility::Algorithm::chcpp;
     options.settings.batch = std::stoi(settings.at("batch"));
@@ -24,7 +24,7 @@ std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene
 
 CameraCulling::CameraCulling(const frame::Frame& frame, const Settings& settings)
     : frame_(frame), everything_(settings.at("camera") == "none"),
-      culling_(makeCulling(frame.scene(), settings, settings.at("camera"), false, std::max(frame.camera().width, frame.camera().height))) {}
+      culling_(makeCulling(frame.scene(), settings, settings.at("camera"), false, {frame.camera().width, frame.camera().height})) {}
 
 frame::Frame::Culling CameraCulling::culling() {
     return [this](const gpuscene::Submit& submit) {

@@ -13,8 +13,8 @@ namespace dapple::shadow {
 const gpuscene::Items& cullItems(const gpuscene::GpuScene& scene, const Settings& settings);
 
 /// For an axis `camera` or `cull` with the value `method`; not pyramid. `sun`: casters alone, nearest with the least depth.
-/// `pixels`: along the longer side of the view; a sun's is square.
-std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun, int pixels);
+/// `pixels`: width and height of the view.
+std::unique_ptr<visibility::Culling> makeCulling(const gpuscene::GpuScene& scene, const Settings& settings, const std::string& method, bool sun, const glm::ivec2& pixels);
 
 /// Axis `camera`: what the G-buffer pass draws.
 class CameraCulling {

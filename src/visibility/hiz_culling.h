@@ -13,8 +13,7 @@ namespace dapple::visibility {
 class HizCulling final : public Culling {
 public:
     struct Options {
-        int pixels = 0;            ///< along the longer side of the view
-        bool square = false;       ///< along the other side too
+        glm::ivec2 pixels{0};      ///< of the view: width, height
         bool castersOnly = false;  ///< leave out what casts no shadow
         bool reversed = false;     ///< depth 1 is near, and tested with GL_GREATER
     };
@@ -27,7 +26,8 @@ private:
     void choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list);
 
     const gpuscene::ItemTable& table_;
-    bool reversed_, imageCells_;  // whether a pixel is a cell: then the pyramid begins with the next level
+    bool reversed_;
+    int cellPixels_;  // a side of a cell of the pyramid's finest level; 2: the image's pixels are cells, too, one level before
     MaxPyramid farthest_;
     gl::Buffer visible_;  // by place in the table
     gl::Program first_, second_, cells_;

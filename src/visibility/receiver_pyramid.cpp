@@ -14,7 +14,7 @@ constexpr int kMostCells = 2048;
 }  // namespace
 
 ReceiverPyramid::ReceiverPyramid(int mapSize, int layers)
-    : mapSize_(mapSize), pyramid_(GL_R32UI, int(std::bit_floor(unsigned(std::min(mapSize, kMostCells)))), layers) {
+    : mapSize_(mapSize), cells_(int(std::bit_floor(unsigned(std::min(mapSize, kMostCells))))), pyramid_(GL_R32UI, cells_, cells_, layers) {
     cull_ = gl::Program::compute("visibility/receiver_cull.comp");
 }
 
@@ -35,7 +35,7 @@ base::ImageF ReceiverPyramid::mask(int layer) const {
 
 void ReceiverPyramid::choose(const gpuscene::ItemTable& table, const gpuscene::ItemTable::Groups& groups, int layer, const ViewFrame& frame, gpuscene::DrawList& list) const {
     cull_.set("uLayer", layer);
-    pyramid_.setView(cull_, frame.view.clipFromRelative, frame.leastW, glm::vec2(float(mapSize_)));
+    pyramid_.setView(cull_, frame.view.clipFromRelative, frame.leastW, glm::vec2(float(mapSize_)), float(mapSize_) / float(cells_));
     cull_.set("uSlack", glm::vec2(0, 1e-5f));
     pyramid_.bind(0);
     table.choose(cull_, frame.view.eye, groups, list);

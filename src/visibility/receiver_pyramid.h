@@ -21,7 +21,7 @@ public:
     void clear();
     /// R32UI array, keys of lib/receiver_key.glsl, to be filled with imageAtomicMax at level 0.
     const gl::Texture& texture() const { return pyramid_.texture(); }
-    int cells() const { return pyramid_.cells(); }  ///< along a side of level 0, a power of two, no more than the map has texels
+    int cells() const { return cells_; }  ///< along a side of level 0, a power of two, no more than the map has texels
     /// Which cells of `layer` hold receivers: 1 or 0, rows from the top. Waits for the GPU.
     base::ImageF mask(int layer) const;
     /// Makes the coarser levels.
@@ -31,7 +31,7 @@ public:
     void choose(const gpuscene::ItemTable& table, const gpuscene::ItemTable::Groups& groups, int layer, const ViewFrame& frame, gpuscene::DrawList& list) const;
 
 private:
-    int mapSize_;
+    int mapSize_, cells_;
     MaxPyramid pyramid_;
     gl::Program cull_;
 };

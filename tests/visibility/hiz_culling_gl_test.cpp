@@ -37,11 +37,11 @@ scenegen::Scene crates() {
 TEST_F(HizCullingTest, ChangesNoBitOfTheDepthAndDrawsLess) {
     const scenegen::Scene yard = crates();
     const gpuscene::GpuScene scene(yard);
-    const std::pair<int, int> sizes[] = {{160, 120}, {128, 128}, {100, 100}, {300, 70}};
+    const std::pair<int, int> sizes[] = {{160, 120}, {128, 128}, {100, 100}, {300, 70}, {523, 45}, {2061, 29}};
     for (const int kind : {0, 1, 2})  // camera, orthographic sun, warped sun
         for (const auto& [width, height] : sizes) {
             Raster raster(scene, width, height);
-            HizCulling culling(scene.items(), {.pixels = std::max(width, height), .square = width == height, .reversed = kind == 0});
+            HizCulling culling(scene.items(), {.pixels = {width, height}, .reversed = kind == 0});
             base::Random random(21, 0, 0);
             size_t drawn = 0, inFrustum = 0;
             CullView view;

@@ -49,7 +49,7 @@ public:
             c.layer = map_.view(i);
             if (pyramid_) c.culling = std::make_unique<visibility::PyramidCulling>(items_, *pyramid_, i);
             else if (casts) c.culling = std::make_unique<visibility::ListCulling>(items_, true, casts);
-            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true, size_);
+            else c.culling = makeCulling(frame.scene(), settings, settings.at("cull"), true, {size_, size_});
         }
         if (is("cull", "receivers")) mask_.emplace(frame, items_, settings, map_, defines);
     }
