@@ -8,6 +8,7 @@ uniform mat4 uRelative;  // inverse of uClip
 uniform int uLevels;
 uniform float uCellsPerPixel;  // a side of the finest level
 uniform vec2 uPixels;  // of the view; a pixel is in the cell in which its centre is, and in both where that is on a border
+uniform int uBeyond;   // pixels past its last ones, along both axes, for which a cell's value holds as well
 uniform vec2 uSlack;   // of depth, that rasterisation may round: a part of it, and at least so much
 
 // What bounds the image, in (x, y) of the divided clip space.
@@ -61,7 +62,8 @@ bool mayBeBefore(Box box) {
     vec2 first = max(ceil((bounds.lo.xy * 0.5 + 0.5) * uPixels - margin - 0.5), vec2(0.0));
     vec2 last = min(floor((bounds.hi.xy * 0.5 + 0.5) * uPixels + margin - 0.5), uPixels - 1.0);
     if (any(greaterThan(first, last))) return false;
-    ivec2 a = ivec2((first + 0.5) * uCellsPerPixel), b = ivec2((last + 0.5) * uCellsPerPixel);
+    vec2 beyond = vec2(uBeyond);
+    ivec2 a = ivec2((max(first - beyond, vec2(0.0)) + 0.5) * uCellsPerPixel), b = ivec2((last + 0.5) * uCellsPerPixel);
     float nearest = SIGN > 0.0 ? bounds.lo.z : -bounds.hi.z, slack = max(uSlack.x * abs(nearest), uSlack.y);
     // A quick look at few large cells; most boxes are done with it.
     int level = levelOf(a, b, uLevels, 4);
@@ -76,7 +78,7 @@ bool mayBeBefore(Box box) {
             float value = CELL_VALUE(ivec2(x, y), level);
             if (nearest - slack > value) continue;
             float size = float(1 << level) / uCellsPerPixel;
-            vec2 from = max(ceil(vec2(x, y) * size - 0.501), first), to = min(floor(vec2(x + 1, y + 1) * size - 0.499), last);
+            vec2 from = max(ceil(vec2(x, y) * size - 0.501), first), to = min(floor(vec2(x + 1, y + 1) * size - 0.499) + beyond, last);
             if (any(greaterThan(from, to))) continue;
             vec3 centre = vec3((from + to + 1.0) / uPixels - 1.0, 1.0);
             vec2 reach = (to - from + 2.0 * margin) / uPixels;

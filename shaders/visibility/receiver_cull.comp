@@ -1,12 +1,12 @@
 // Keeps the casters that can darken a receiver in sight: those whose box, seen from the sun, covers a cell in which some
-// receiver lies no nearer to the sun than the box begins.
+// receiver's look-up begins that lies no nearer to the sun than the box does.
 #include "lib/item_table.glsl"
 #include "lib/receiver_key.glsl"
 layout(binding = 0) uniform usampler2DArray uReceivers;
 uniform int uLayer;
 #define SIGN 1.0
 #define CELL_VALUE(cell, level) valueOfKey(texelFetch(uReceivers, ivec3(cell, uLayer), level).r)
-float valueOfKey(uint key) { return key == 0u ? -1e30 : depthOfKey(key); }
+float valueOfKey(uint key) { return isReceiver(key) ? depthOfKey(key) : -1e30; }
 #include "lib/covered_cells.glsl"
 shared bool groupAsked;
 

@@ -21,9 +21,9 @@ MaxPyramid::MaxPyramid(GLenum format, int width, int height, int layers)
         else glClearTexImage(texture_.name(), level, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
 }
 
-void MaxPyramid::reduce() const {
+void MaxPyramid::reduce(int from) const {
     program_.use();
-    for (int level = 0; level < levels_ - 1; level += 2) {
+    for (int level = from; level < levels_ - 1; level += 2) {
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
         for (int i = 0; i < 3; ++i)
             glBindImageTexture(GLuint(i), texture_.name(), std::min(level + i, levels_ - 1), GL_TRUE, 0, i == 0 ? GL_READ_ONLY : GL_WRITE_ONLY, texture_.format());

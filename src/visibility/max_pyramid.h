@@ -16,11 +16,11 @@ public:
     int width() const { return width_; }
     int height() const { return height_; }
     int levels() const { return levels_; }
-    /// Makes the coarser levels from level 0, which image stores have filled, and lets textures fetch from all.
-    void reduce() const;
+    /// Makes the levels coarser than `from`, which image stores have filled with all that are finer, and lets textures fetch from all.
+    void reduce(int from = 0) const;
     /// Binds it to a texture unit.
     void bind(GLuint unit) const;
-    /// Sets all but uSlack of lib/covered_cells.glsl, for what is drawn into an image of `pixels`. `leastW`: clip w up to which
+    /// Sets all but uSlack and uBeyond of lib/covered_cells.glsl, for what is drawn into an image of `pixels`. `leastW`: clip w up to which
     /// nothing is known of a box; `cellPixels`: a side of a cell of level 0, pixels; `finer`: levels before level 0 that the program
     /// has from elsewhere.
     void setView(const gl::Program& program, const glm::dmat4& clipFromRelative, double leastW, const glm::vec2& pixels, float cellPixels, int finer = 0) const;

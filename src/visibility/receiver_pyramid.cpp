@@ -6,21 +6,32 @@
 namespace dapple::visibility {
 namespace {
 
-/// With 1024 a 2K map of city-vienna at scale 16 draws 1.6 to 1.7 times the casters that it needs instead of 1.1 to 1.4, and its frame takes
-/// as long: what a software rasteriser saves in triangles it spends on cells. With 4096 a 4K map draws 1.3 to 1.6 times as many instead
-/// of 1.6 to 1.7, and its frame takes 1.1 to 1.2 times as long.
-constexpr int kMostCells = 2048;
+/// Over city-vienna at scale 16, 1024 cells make a 2K map draw 1.6 to 1.7 times the casters that it needs instead of 1.1 to 1.4, and 2048
+/// a 4K map 1.6 to 1.7 times instead of 1.3 to 1.6.
+constexpr int kMostCells = 4096;
+/// From the level with so many on, all cells of a level are made from the next finer one; before, marks are cheaper.
+constexpr int kMostReduced = 1024;
+constexpr int kDepthBits = 20, kStamps = 1 << (32 - kDepthBits);  // lib/receiver_key.glsl
 
 }  // namespace
 
-ReceiverPyramid::ReceiverPyramid(int mapSize, int layers)
-    : mapSize_(mapSize), cells_(int(std::bit_floor(unsigned(std::min(mapSize, kMostCells))))), pyramid_(GL_R32UI, cells_, cells_, layers) {
+ReceiverPyramid::ReceiverPyramid(int mapSize, int layers, int beyond) : mapSize_(mapSize), beyond_(beyond) {
+    const auto cells = int(std::bit_floor(unsigned(std::min(mapSize, kMostCells))));
+    pyramid_ = MaxPyramid(GL_R32UI, cells, cells, layers);
+    while (cells >> (markedLevels_ - 1) > kMostReduced) ++markedLevels_;
     cull_ = gl::Program::compute("visibility/receiver_cull.comp");
 }
 
 void ReceiverPyramid::clear() {
+    if (++stamp_ < kStamps) return;
+    stamp_ = 1;
     const GLuint none = 0;
-    glClearTexImage(texture().name(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
+    for (int level = 0; level < markedLevels_; ++level) glClearTexImage(texture().name(), level, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
+}
+
+void ReceiverPyramid::setMarking(const gl::Program& program) const {
+    program.set("uStamp", stamp_);
+    for (int level = 0; level < markedLevels_; ++level) glBindImageTexture(GLuint(level), texture().name(), level, GL_TRUE, 0, GL_READ_WRITE, GL_R32UI);
 }
 
 base::ImageF ReceiverPyramid::mask(int layer) const {
@@ -29,13 +40,15 @@ base::ImageF ReceiverPyramid::mask(int layer) const {
     glGetTextureSubImage(texture().name(), 0, 0, 0, layer, cells(), cells(), 1, GL_RED_INTEGER, GL_UNSIGNED_INT, GLsizei(keys.size() * sizeof(GLuint)), keys.data());
     base::ImageF image{cells(), cells(), 1, std::vector<float>(keys.size())};
     for (size_t y = 0; y < n; ++y)
-        for (size_t x = 0; x < n; ++x) image.texels[y * n + x] = keys[(n - 1 - y) * n + x] != 0;
+        for (size_t x = 0; x < n; ++x) image.texels[y * n + x] = keys[(n - 1 - y) * n + x] >> kDepthBits == GLuint(stamp_);
     return image;
 }
 
 void ReceiverPyramid::choose(const gpuscene::ItemTable& table, const gpuscene::ItemTable::Groups& groups, int layer, const ViewFrame& frame, gpuscene::DrawList& list) const {
     cull_.set("uLayer", layer);
-    pyramid_.setView(cull_, frame.view.clipFromRelative, frame.leastW, glm::vec2(float(mapSize_)), float(mapSize_) / float(cells_));
+    pyramid_.setView(cull_, frame.view.clipFromRelative, frame.leastW, glm::vec2(float(mapSize_)), float(mapSize_) / float(cells()));
+    cull_.set("uStamp", stamp_);
+    cull_.set("uBeyond", beyond_);
     cull_.set("uSlack", glm::vec2(0, 1e-5f));
     pyramid_.bind(0);
     table.choose(cull_, frame.view.eye, groups, list);

@@ -29,12 +29,12 @@ scenegen::Scene boxes() {
     return scene;
 }
 
-/// A map, and by pixel the farthest reference depth of the look-ups that read it; −1: none.
+/// A map, and by pixel the farthest reference depth of the look-ups that read it first, and `beyond` pixels after it; −1: none.
 struct Receivers {
-    int size;
+    int size, beyond;
     std::vector<float> depth;
 
-    Receivers(int pixels, base::Random& random) : size(pixels), depth(size_t(pixels) * size_t(pixels), -1) {
+    Receivers(int pixels, int after, base::Random& random) : size(pixels), beyond(after), depth(size_t(pixels) * size_t(pixels), -1) {
         const float waves[] = {random.next(1, 9), random.next(1, 9), random.next(0, 6)};
         for (int y = 0; y < size; ++y)
             for (int x = 0; x < size; ++x) {
@@ -44,6 +44,14 @@ struct Receivers {
             }
     }
     float at(int x, int y) const { return depth[size_t(y) * size_t(size) + size_t(x)]; }
+    /// The largest of what `valueAt` is at the pixels whose look-ups read this one.
+    template <class ValueAt>
+    float read(int x, int y, const ValueAt& valueAt) const {
+        float most = -1;
+        for (int firstY = std::max(0, y - beyond); firstY <= y; ++firstY)
+            for (int firstX = std::max(0, x - beyond); firstX <= x; ++firstX) most = std::max(most, valueAt(firstX, firstY));
+        return most;
+    }
 
     /// The largest of each cell's pixels, one on a border in both.
     std::vector<float> cells(int side) const {
@@ -112,15 +120,28 @@ struct Outcome {
 };
 
 /// Needed is a box which the line through some pixel's centre enters no later than the pixel's receivers lie. Loose is one that
-/// is kept although, a quarter of a pixel larger, it would not be needed by the cells' values either.
+/// is kept although, a quarter of a pixel larger, it would not be needed by the cells' values either; where look-ups read several
+/// pixels, three quarters, because it may lie between the centres of two.
 Outcome compare(const gpuscene::Items& items, const CullView& view, const Receivers& receivers, double metresPerPixel) {
-    ReceiverPyramid pyramid(receivers.size, 2);
+    ReceiverPyramid pyramid(receivers.size, 2, receivers.beyond);
     pyramid.clear();
     const int side = pyramid.cells();
     const std::vector<float> cells = receivers.cells(side);
+    const auto stamp = GLuint(pyramid.stamp()) << 20;
     std::vector<GLuint> keys(cells.size());
-    for (size_t i = 0; i < keys.size(); ++i) keys[i] = cells[i] < 0 ? 0 : std::bit_cast<GLuint>(cells[i]) + 1;
-    glTextureSubImage3D(pyramid.texture().name(), 0, 0, 0, 1, side, side, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, keys.data());
+    for (size_t i = 0; i < keys.size(); ++i) keys[i] = cells[i] < 0 ? stamp - 1 : stamp | GLuint(std::ceil(cells[i] * 1048575));  // −1: the last frame's farthest
+    for (int level = 0; level < pyramid.markedLevels(); ++level) {
+        const int n = side >> level;
+        if (level > 0) {
+            std::vector<GLuint> coarser(size_t(n) * size_t(n), 0);
+            for (size_t i = 0; i < keys.size(); ++i) {
+                GLuint& key = coarser[i / (2 * size_t(n)) / 2 * size_t(n) + i % (2 * size_t(n)) / 2];
+                key = std::max(key, keys[i]);
+            }
+            keys = std::move(coarser);
+        }
+        glTextureSubImage3D(pyramid.texture().name(), level, 0, 0, 1, n, n, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, keys.data());
+    }
     pyramid.reduce();
     PyramidCulling culling(items, pyramid, 1);
     constexpr double kLeastW = 0.05;
@@ -130,6 +151,7 @@ Outcome compare(const gpuscene::Items& items, const CullView& view, const Receiv
     Outcome outcome;
     outcome.kept = kept.size();
     const int size = receivers.size;
+    const double grown = (receivers.beyond > 0 ? 0.75 : 0.25) * metresPerPixel;
     for (uint32_t item = 0; item < items.size(); ++item) {
         const Seen box(view, items, item);
         base::DBox ndc;
@@ -150,11 +172,11 @@ Outcome compare(const gpuscene::Items& items, const CullView& view, const Receiv
         bool needed = false, nearly = false;
         for (int y = from[1]; y <= to[1] && !needed; ++y)
             for (int x = from[0]; x <= to[0] && !needed; ++x) {
-                const float most = cells[receivers.cellOf(y, side) * size_t(side) + receivers.cellOf(x, side)];
+                const float most = receivers.read(x, y, [&](int cx, int cy) { return cells[receivers.cellOf(cy, side) * size_t(side) + receivers.cellOf(cx, side)]; });
                 if (most < 0) continue;
                 const glm::dvec2 place = (glm::dvec2(x, y) + 0.5) * (2.0 / size) - 1.0;
-                needed = box.entry(place) <= receivers.at(x, y);
-                nearly = nearly || box.entry(place, 0.25 * metresPerPixel) <= most + 1e-4;
+                needed = box.entry(place) <= receivers.read(x, y, [&](int rx, int ry) { return receivers.at(rx, ry); });
+                nearly = nearly || box.entry(place, grown) <= most + 1e-4;
             }
         outcome.needed += needed;
         outcome.lost += needed && !kept.contains(item);
@@ -177,20 +199,35 @@ TEST_F(ReceiverPyramidTest, KeepsWhatAPixelNeedsAndLittleElse) {
     const glm::dvec3 suns[] = {{0.3, 0.5, -0.6}, {0, 0, -1}, {0, 1, -0.2}, {1, 0, -1e-3}, {-0.7, 0.2, -0.4}};
     base::Random random(9, 0, 0);
     Outcome sum;
-    for (const int size : {64, 100, 256, 2048})  // 100: of 64 cells; 2048: of 1024
+    int beyond = 0;
+    for (const int size : {64, 100, 256, 2048})  // 100: of 64 cells; 2048: two levels are marked
         for (const double warp : {0.0, 0.6, 0.97})
             for (const glm::dvec3& sun : suns) {
                 const glm::dvec3 l = glm::normalize(sun);
                 const double half = random.next(15, 45);
                 const CullView view = CullView::sun({random.next(-5, 5), random.next(-5, 5), 1}, sunMatrix(l, half, -12, 25, warp), l);
-                const Outcome outcome = compare(gpu.items(), view, Receivers(size, random), 2 * half / size);
-                EXPECT_EQ(outcome.lost, 0u) << size << " pixels, warp " << warp << ", sun " << sun.x << " " << sun.y << " " << sun.z;
+                const Outcome outcome = compare(gpu.items(), view, Receivers(size, beyond = (beyond + 1) % 4, random), 2 * half / size);
+                EXPECT_EQ(outcome.lost, 0u) << size << " pixels, " << beyond << " read after the first, warp " << warp << ", sun " << sun.x << " " << sun.y << " " << sun.z;
                 sum.kept += outcome.kept;
                 sum.needed += outcome.needed;
                 sum.loose += outcome.loose;
             }
     EXPECT_GT(sum.needed, 20'000u);
     EXPECT_LT(sum.loose * 100, sum.kept);
+}
+
+// Stamps come round; what was marked with one long ago is not there when it comes back.
+TEST_F(ReceiverPyramidTest, ForgetsAllForGood) {
+    ReceiverPyramid pyramid(2048, 1, 0);
+    const auto marked = [&] { return std::ranges::count(pyramid.mask(0).texels, 1.0f); };
+    pyramid.clear();
+    EXPECT_EQ(marked(), 0);
+    const int first = pyramid.stamp();
+    const GLuint key = GLuint(first) << 20 | 77;
+    glTextureSubImage3D(pyramid.texture().name(), 0, 5, 9, 0, 1, 1, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, &key);
+    EXPECT_EQ(marked(), 1);
+    for (pyramid.clear(); pyramid.stamp() != first; pyramid.clear()) ASSERT_LT(pyramid.stamp(), 4096);
+    EXPECT_EQ(marked(), 0);
 }
 
 }  // namespace

@@ -41,8 +41,10 @@ public:
         resolve_ = gl::Program("passes/fullscreen.vert", "shadow/map_resolve.frag", defines);
         if (!map_.name()) return;
         if (is("cull", "pyramid")) {
-            pyramid_.emplace(size_, layers_);
+            pyramid_.emplace(size_, layers_, int(2 * kernelRadius(settings)));
+            defines.push_back(fmt::format("MARKED_LEVELS {}", pyramid_->markedLevels()));
             scatter_ = gl::Program::compute("shadow/map_receivers.comp", defines);
+            defines.pop_back();
         }
         for (int i = 0; i < layers_; ++i) {
             Cascade& c = cascades_[size_t(i)];
@@ -271,7 +273,7 @@ private:
         scatter_.set("uCells", glm::vec2(pyramid_->cells(), float(pyramid_->cells()) / float(size_)));
         scatter_.use();
         frame_.bindGeometry();
-        glBindImageTexture(0, pyramid_->texture().name(), 0, GL_TRUE, 0, GL_READ_WRITE, GL_R32UI);
+        pyramid_->setMarking(scatter_);
         glDispatchCompute(GLuint(frame_.camera().width + 15) / 16, GLuint(frame_.camera().height + 7) / 8, 1);
         pyramid_->reduce();
         ++tally.drawCalls;
