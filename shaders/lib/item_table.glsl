@@ -1,5 +1,5 @@
-// The scene's items for compute shaders that choose what is drawn, one work group to each group of neighbours, and the list
-// that they fill. Matches gpuscene/item_table.cpp.
+// The scene's items for compute shaders that choose what is drawn, and the list that they fill. Those with GROUPS look at groups
+// of neighbours, an invocation to each; the others at a group's items, one work group to each. Matches gpuscene/item_table.cpp.
 layout(local_size_x = 64) in;
 struct TableItem {
     vec3 translation;  // metres from Scene::origin
@@ -34,6 +34,9 @@ layout(std430, binding = 2) restrict writeonly buffer ListData { InstanceData li
 layout(std430, binding = 3) restrict buffer ListCommands { IndirectCommand listCommands[]; };
 layout(std430, binding = 5) restrict writeonly buffer ListPlaces { uint listPlaces[]; };
 layout(std430, binding = 4) restrict readonly buffer TableGroups { TableGroup tableGroups[]; };
+// What a dispatch reads, and the groups that are worth a look at their items.
+layout(std430, binding = 7) restrict buffer WorthALook { uint worthX, worthY, worthZ, worthCount, worthGroups[]; };
+const uint kMostWorkGroups = 65535u;  // what GL grants a dispatch along one axis
 
 uniform dvec3 uEye;  // metres from Scene::origin; subtracted in double, as the CPU does
 uniform int uGroups;
@@ -63,5 +66,18 @@ void addToList(uint place, TablePart p, Box b) {
     listData[p.firstSlot + slot] = InstanceData(float[3](b.position.x, b.position.y, b.position.z), b.scale, float[2](b.cosSinYaw.x, b.cosSinYaw.y));
 }
 
-// Of the work group; may be past the last one.
-uint groupIndex() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+void addWorthALook(uint group) {
+    uint n = atomicAdd(worthCount, 1u);
+    worthGroups[n] = group;
+    atomicMax(worthX, min(n + 1u, kMostWorkGroups));
+    atomicMax(worthY, n / kMostWorkGroups + 1u);
+}
+
+// The table's place of this invocation's item; false: it has none. `all`: of all groups, not only of those worth a look.
+bool placeOfItem(bool all, out uint place) {
+    uint n = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (n >= (all ? uint(uGroups) : worthCount)) return false;
+    TableGroup g = tableGroups[all ? n : worthGroups[n]];
+    place = g.first + gl_LocalInvocationIndex;
+    return gl_LocalInvocationIndex < g.count;
+}

@@ -3,7 +3,11 @@
 #include "lib/item_table.glsl"
 layout(binding = 0) uniform sampler2DArray uFarthest;  // SIGN · depth
 layout(binding = 1) uniform sampler2D uDepth;          // the finest level, where its pixels are the cells (IMAGE_CELLS)
-layout(std430, binding = 6) restrict buffer Visible { uint visible[]; };
+// Of an item: the frame in which it was visible when it was last looked at, 0: it was not; of a group, at its first item's place:
+// the last frame in which it was hidden as a whole. What is out of view keeps what it had.
+struct History { uint itemVisible, groupHidden; };
+layout(std430, binding = 6) restrict buffer Histories { History histories[]; };
+uniform int uFrame;
 #define CELL_VALUE(cell, level) farthestIn(cell, level)
 // Where a sun's map, drawn with depth clamp, is 0 already, nothing can come before.
 float farthestIn(ivec2 cell, int level) {
@@ -15,33 +19,35 @@ float farthestIn(ivec2 cell, int level) {
     return SIGN > 0.0 && depth <= 0.0 ? -1e30 : depth;
 }
 #include "lib/covered_cells.glsl"
-shared bool groupSeen;
-
-#ifdef SECOND
-#define MAY_BE_SEEN(box) mayBeBefore(box)
-#else
-#define MAY_BE_SEEN(box) (!clipBounds(box).outside)
-#endif
 
 void main() {
-    uint group = groupIndex(), local = gl_LocalInvocationIndex;
+#ifdef GROUPS
+    uint group = gl_GlobalInvocationID.x;
     if (group >= uint(uGroups)) return;
     TableGroup g = tableGroups[group];
-    if (local == 0u) groupSeen = MAY_BE_SEEN(boxOf(g));
-    barrier();
-    if (local >= g.count) return;
-    uint index = g.first + local;
-    bool before = visible[index] != 0u;
-#ifndef SECOND
-    if (!before || !groupSeen) return;
+    if (mayBeBefore(boxOf(g))) addWorthALook(group);
+    else histories[g.first].groupHidden = uint(uFrame);
+#else
+    uint place;
+#ifdef SECOND
+    if (!placeOfItem(false, place)) return;
+#else
+    if (!placeOfItem(true, place)) return;
 #endif
-    TableItem i = tableItems[index];
+    bool before = histories[place].itemVisible > histories[place - gl_LocalInvocationIndex].groupHidden;
+#ifndef SECOND
+    if (!before) return;
+#endif
+    TableItem i = tableItems[place];
     TablePart p = tableParts[i.part];
     Box box = boxOf(i, p);
-    bool seen = groupSeen && MAY_BE_SEEN(box);
 #ifdef SECOND
-    visible[index] = seen ? 1u : 0u;
-    if (before) return;  // drawn in the first phase, if it is in view
+    bool seen = mayBeBefore(box);
+    histories[place].itemVisible = seen ? uint(uFrame) : 0u;
+    seen = seen && !before;  // or else the first phase has drawn it
+#else
+    bool seen = !clipBounds(box).outside;
 #endif
-    if (seen) addToList(index, p, box);
+    if (seen) addToList(place, p, box);
+#endif
 }

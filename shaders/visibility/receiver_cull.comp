@@ -8,17 +8,17 @@ uniform int uLayer;
 #define CELL_VALUE(cell, level) valueOfKey(texelFetch(uReceivers, ivec3(cell, uLayer), level).r)
 float valueOfKey(uint key) { return isReceiver(key) ? depthOfKey(key) : -1e30; }
 #include "lib/covered_cells.glsl"
-shared bool groupAsked;
 
 void main() {
-    uint group = groupIndex(), local = gl_LocalInvocationIndex;
-    if (group >= uint(uGroups)) return;
-    TableGroup g = tableGroups[group];
-    if (local == 0u) groupAsked = mayBeBefore(boxOf(g));
-    barrier();
-    if (local >= g.count || !groupAsked) return;
-    TableItem i = tableItems[g.first + local];
+#ifdef GROUPS
+    uint group = gl_GlobalInvocationID.x;
+    if (group < uint(uGroups) && mayBeBefore(boxOf(tableGroups[group]))) addWorthALook(group);
+#else
+    uint place;
+    if (!placeOfItem(false, place)) return;
+    TableItem i = tableItems[place];
     TablePart p = tableParts[i.part];
     Box box = boxOf(i, p);
-    if (mayBeBefore(box)) addToList(g.first + local, p, box);
+    if (mayBeBefore(box)) addToList(place, p, box);
+#endif
 }

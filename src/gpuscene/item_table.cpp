@@ -90,7 +90,7 @@ void ItemTable::pick(const std::function<bool(const base::Box&)>& keep, Groups& 
     groups.buffer.update(picked.size() * sizeof(TableGroup), picked.data());
 }
 
-void ItemTable::choose(const gl::Program& program, const glm::dvec3& eye, const Groups& groups, DrawList& list) const {
+void ItemTable::choose(const gl::Program* group, const gl::Program& item, const glm::dvec3& eye, const Groups& groups, DrawList& list) const {
     list.parts = items_.parts();
     list.items.clear();
     list.data.clear();
@@ -100,12 +100,28 @@ void ItemTable::choose(const gl::Program& program, const glm::dvec3& eye, const 
     list.places.update(size() * sizeof(uint32_t), nullptr);
     list.commands.update(commandCount_ * sizeof(IndirectCommand), nullptr);
     glCopyNamedBufferSubData(commands_.name(), list.commands.name(), 0, 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)));
-    const GLuint names[] = {table_.name(), parts_.name(), list.buffer.name(), list.commands.name(), groups.buffer.name(), list.places.name()};
-    for (GLuint i = 0; i < std::size(names); ++i) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, names[i]);
-    program.set("uEye", eye);
-    program.set("uGroups", int(groups.count));
-    program.use();
-    glDispatchCompute(GLuint(std::min(groups.count, kMostGroups)), GLuint((groups.count + kMostGroups - 1) / kMostGroups), 1);
+    constexpr GLuint kNoneWorthALook[] = {0, 0, 1, 0};  // work groups along x, y, z; groups
+    worthALook_.update(sizeof kNoneWorthALook + groups.count * sizeof(GLuint), nullptr);
+    worthALook_.update(sizeof kNoneWorthALook, kNoneWorthALook);
+    const std::pair<GLuint, GLuint> bindings[] = {{0, table_.name()}, {1, parts_.name()}, {2, list.buffer.name()}, {3, list.commands.name()},
+                                                  {4, groups.buffer.name()}, {5, list.places.name()}, {7, worthALook_.name()}};
+    for (const auto& [index, name] : bindings) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, index, name);
+    const auto use = [&](const gl::Program& program) {
+        program.set("uEye", eye);
+        program.set("uGroups", int(groups.count));
+        program.use();
+    };
+    if (group) {
+        use(*group);
+        glDispatchCompute(GLuint((groups.count + kGroupItems - 1) / kGroupItems), 1, 1);
+        glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        use(item);
+        glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, worthALook_.name());
+        glDispatchComputeIndirect(0);
+    } else {
+        use(item);
+        glDispatchCompute(GLuint(std::min(groups.count, kMostGroups)), GLuint((groups.count + kMostGroups - 1) / kMostGroups), 1);
+    }
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

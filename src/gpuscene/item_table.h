@@ -6,9 +6,9 @@
 namespace dapple::gpuscene {
 
 /// Items as compute shaders choose among them (lib/item_table.glsl), and the indirect commands that draw what they chose. They
-/// lie in the order of a hierarchy's leaves, so that those near each other are a group: the CPU picks the groups, and a
-/// shader looks at the box of each, one work group to it, before it looks at its items. Made for those who cull on the GPU
-/// only: a scene that is culled on the CPU has none.
+/// lie in the order of a hierarchy's leaves, so that those near each other are a group: the CPU picks the groups, one shader
+/// looks at the box of each, and another at the items of those that this one has found worth it. Made for those who cull on the
+/// GPU only: a scene that is culled on the CPU has none.
 class ItemTable {
 public:
     static constexpr uint32_t kGroupItems = 64;  ///< local size of the shaders
@@ -27,9 +27,10 @@ public:
     };
     /// The groups whose boxes (metres from Scene::origin) `keep` accepts; it must reject whatever lies within a box that it rejects.
     void pick(const std::function<bool(const base::Box&)>& keep, Groups& groups) const;
-    /// Makes `list` one of those items of the groups that a shader adds to it. Sets uEye (metres from Scene::origin), uGroups
-    /// and storage buffers 0 to 5; everything else is the caller's.
-    void choose(const gl::Program& program, const glm::dvec3& eye, const Groups& groups, DrawList& list) const;
+    /// Makes `list` one of those items of the groups that `item` adds to it, from the groups that `group` has found worth a look
+    /// (null: from all). Sets their uEye (metres from Scene::origin), uGroups and storage buffers 0 to 5 and 7; everything else is
+    /// the caller's.
+    void choose(const gl::Program* group, const gl::Program& item, const glm::dvec3& eye, const Groups& groups, DrawList& list) const;
 
     /// Appends the items that the shaders have put into a list. Waits for the GPU: for counters, never in a timed frame.
     void read(const DrawList& list, std::vector<uint32_t>& items) const;
@@ -42,6 +43,7 @@ private:
     std::vector<uint32_t> firstCommand_, firstSlot_;  ///< by part
     mutable std::vector<uint32_t> rangeOf_;  ///< by part; kNone between calls
     gl::Buffer table_, parts_, commands_;
+    mutable gl::Buffer worthALook_;  ///< of the last choose()
 };
 
 }  // namespace dapple::gpuscene

@@ -23,31 +23,32 @@ int cellPixels(const HizCulling::Options& options) {
 HizCulling::HizCulling(const gpuscene::Items& items, const Options& options)
     : table_(items.table(options.castersOnly)), reversed_(options.reversed), cellPixels_(cellPixels(options)),
       farthest_(GL_R32F, (options.pixels.x - 1) / cellPixels_ + 1, (options.pixels.y - 1) / cellPixels_ + 1, 1), nearest_(gl::makeSampler({})) {
-    const std::vector<uint32_t> none(table_.size(), 0);
-    visible_ = gl::Buffer::of<uint32_t>(none);
+    const std::vector<glm::uvec2> none(table_.size(), glm::uvec2(0));
+    histories_ = gl::Buffer::of<glm::uvec2>(none);
     std::vector<std::string> defines{options.reversed ? "SIGN -1.0" : "SIGN 1.0"};
     cells_ = gl::Program::compute("visibility/depth_cells.comp", {defines[0], fmt::format("CELL {}", cellPixels_)});
     if (cellPixels_ == 2) defines.push_back("IMAGE_CELLS");
     first_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
     defines.push_back("SECOND");
     second_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
+    defines.push_back("GROUPS");
+    secondGroups_ = gl::Program::compute("visibility/hiz_cull.comp", defines);
 }
 
-void HizCulling::choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, visible_.name());
+void HizCulling::setUp(const gl::Program& program, const ViewFrame& frame) const {
     farthest_.setView(program, frame.view.clipFromRelative, frame.leastW, {frame.depth->width(), frame.depth->height()}, float(cellPixels_),
                       cellPixels_ == 2 ? 1 : 0);
     // A perspective depth is as good as its distance; an orthographic one as good as its range.
     program.set("uSlack", reversed_ ? glm::vec2(1e-4, 0) : glm::vec2(0, 1e-5));
-    farthest_.bind(0);
-    glBindTextureUnit(1, frame.depth->name());
-    glBindSampler(1, nearest_.name());
-    table_.choose(program, frame.view.eye, groups_, list);
+    program.set("uFrame", frame_);
 }
 
 void HizCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
     table_.pick([&](const base::Box& box) { return frame.view.mayContain(frame.view.relative(box)); }, groups_);
-    choose(first_, frame, lists_[0]);
+    ++frame_;
+    for (const gl::Program* program : {&first_, &secondGroups_, &second_}) setUp(*program, frame);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, histories_.name());
+    table_.choose(nullptr, first_, frame.view.eye, groups_, lists_[0]);
     submit(lists_[0]);
     gl::finishTriangles();
     cells_.use();
@@ -56,7 +57,11 @@ void HizCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
     glBindImageTexture(0, farthest_.texture().name(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32F);
     glDispatchCompute(GLuint(farthest_.width() + 7) / 8, GLuint(farthest_.height() + 7) / 8, 1);
     farthest_.reduce();
-    choose(second_, frame, lists_[1]);
+    farthest_.bind(0);
+    glBindTextureUnit(1, frame.depth->name());
+    glBindSampler(1, nearest_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, histories_.name());
+    table_.choose(&secondGroups_, second_, frame.view.eye, groups_, lists_[1]);
     submit(lists_[1]);
 }
 

@@ -23,14 +23,15 @@ public:
     std::vector<uint32_t> drawn() const override;
 
 private:
-    void choose(const gl::Program& program, const ViewFrame& frame, gpuscene::DrawList& list);
+    void setUp(const gl::Program& program, const ViewFrame& frame) const;
 
     const gpuscene::ItemTable& table_;
     bool reversed_;
     int cellPixels_;  // a side of a cell of the pyramid's finest level; 2: the image's pixels are cells, too, one level before
     MaxPyramid farthest_;
-    gl::Buffer visible_;  // by place in the table
-    gl::Program first_, second_, cells_;
+    gl::Buffer histories_;  // of hiz_cull.comp, by place in the table
+    int frame_ = 0;
+    gl::Program first_, secondGroups_, second_, cells_;
     gl::Sampler nearest_;
     gpuscene::ItemTable::Groups groups_;
     gpuscene::DrawList lists_[2];  // by phase

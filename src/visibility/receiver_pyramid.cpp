@@ -19,7 +19,8 @@ ReceiverPyramid::ReceiverPyramid(int mapSize, int layers, int beyond) : mapSize_
     const auto cells = int(std::bit_floor(unsigned(std::min(mapSize, kMostCells))));
     pyramid_ = MaxPyramid(GL_R32UI, cells, cells, layers);
     while (cells >> (markedLevels_ - 1) > kMostReduced) ++markedLevels_;
-    cull_ = gl::Program::compute("visibility/receiver_cull.comp");
+    groups_ = gl::Program::compute("visibility/receiver_cull.comp", {"GROUPS"});
+    items_ = gl::Program::compute("visibility/receiver_cull.comp");
 }
 
 void ReceiverPyramid::clear() {
@@ -45,13 +46,15 @@ base::ImageF ReceiverPyramid::mask(int layer) const {
 }
 
 void ReceiverPyramid::choose(const gpuscene::ItemTable& table, const gpuscene::ItemTable::Groups& groups, int layer, const ViewFrame& frame, gpuscene::DrawList& list) const {
-    cull_.set("uLayer", layer);
-    pyramid_.setView(cull_, frame.view.clipFromRelative, frame.leastW, glm::vec2(float(mapSize_)), float(mapSize_) / float(cells()));
-    cull_.set("uStamp", stamp_);
-    cull_.set("uBeyond", beyond_);
-    cull_.set("uSlack", glm::vec2(0, 1e-5f));
+    for (const gl::Program* program : {&groups_, &items_}) {
+        program->set("uLayer", layer);
+        pyramid_.setView(*program, frame.view.clipFromRelative, frame.leastW, glm::vec2(float(mapSize_)), float(mapSize_) / float(cells()));
+        program->set("uStamp", stamp_);
+        program->set("uBeyond", beyond_);
+        program->set("uSlack", glm::vec2(0, 1e-5f));
+    }
     pyramid_.bind(0);
-    table.choose(cull_, frame.view.eye, groups, list);
+    table.choose(&groups_, items_, frame.view.eye, groups, list);
 }
 
 void PyramidCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {

@@ -41,7 +41,7 @@ public:
 private:
     int mapSize_, beyond_, markedLevels_ = 1, stamp_ = 1;
     MaxPyramid pyramid_;
-    gl::Program cull_;
+    gl::Program groups_, items_;
 };
 
 /// The casters that one map needs of those that are not outside a plane of the view.
