@@ -29,6 +29,15 @@ TEST_P(EveryMap, CullingChangesNoPixelWhateverTheSampling) {
 }
 INSTANTIATE_TEST_SUITE_P(Registry, EveryMap, testing::Values("uniform", "focused", "lispsm", "cascaded"), [](const auto& test) { return test.param; });
 
+// Of 2048 texels a side look-ups mark two levels of the pyramid, of 4096 three.
+TEST(LargeMaps, ThePyramidChangesNoPixel) {
+    for (const TestScene& scene : kThree) {
+        SCOPED_TRACE(scene.name);
+        Walk walk(scene.name, scene.settings);
+        for (const char* size : {"2048", "4096"}) expectSamePixels(walk, "lispsm", {{"filter", "pcf2"}, {"size", size}}, {{{"cull", "pyramid"}}});
+    }
+}
+
 TEST(EveryScene, CullingChangesNoPixel) {
     const std::vector<shadow::Settings> methods{{{"cull", "chcpp"}}, {{"cull", "receivers"}, {"camera", "chcpp"}}, {{"cull", "hiz"}}, {{"cull", "pyramid"}, {"camera", "hiz"}}, {{"cull", "frustum"}, {"cluster", "20"}}, {{"cull", "pyramid"}, {"camera", "chcpp"}, {"cluster", "100"}, {"leaf", "500"}}};
     bool warped = false;

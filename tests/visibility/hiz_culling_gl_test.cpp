@@ -63,6 +63,31 @@ TEST_F(HizCullingTest, ChangesNoBitOfTheDepthAndDrawsLess) {
         }
 }
 
+// A wall, and behind it crates in groups close together: seen from beside it, then from before it. Whether they are hidden as groups
+// or one by one, a frame later they are forgotten.
+TEST_F(HizCullingTest, ForgetsWhatIsHidden) {
+    scenegen::Scene yard;
+    yard.materials.resize(1);
+    for (const glm::vec3& size : {glm::vec3(20, 0.5f, 10), glm::vec3(0.2f)}) yard.prototypes.emplace_back().meshes.push_back(scenegen::boxMesh(size));
+    yard.instances.push_back({{0, 0, 5}, 1, 0, 0});
+    constexpr uint32_t kCrates = 400;
+    for (uint32_t i = 0; i < kCrates; ++i) yard.instances.push_back({{float(i % 20) * 0.5f - 5, 8 + float(i / 20) * 0.5f, 0.2f}, 1, 0, 1});
+    const gpuscene::GpuScene scene(yard);
+    Raster raster(scene, 256, 256);
+    HizCulling culling(scene.items(), {.pixels = {256, 256}, .reversed = true});
+    const auto drawn = [&](const CullView& view) {
+        raster.start(view);
+        culling.draw({.view = view, .leastW = 0.6, .depth = &raster.depth()}, [&](const gpuscene::DrawList& list) { raster.submit(list); });
+        return culling.drawn().size();
+    };
+    const CullView beside = cameraAt({25, 10, 6}, {-1, 0.1, -0.25}), before = cameraAt({0, -15, 2}, {0, 1, 0});
+    drawn(beside);
+    EXPECT_GT(drawn(beside), kCrates * 3 / 4);
+    drawn(before);
+    EXPECT_LE(drawn(before), 3u);
+    EXPECT_GT(drawn(beside), kCrates * 3 / 4);
+}
+
 // Forty prototypes of one shape; the even ones of one material, the odd ones of another.
 TEST_F(HizCullingTest, DrawsWhatDrawsAlikeInOneCall) {
     scenegen::Scene crates;
