@@ -206,44 +206,26 @@ DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attribu
     if (list.commands) glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.commands.name());
     const Uniforms uniforms(program);
     const std::span<const Part> parts = list.parts.empty() ? items().parts() : list.parts;
-    const bool ofMaterial = attributes != Attributes::position;
     uint32_t material = ~0u;
-    const auto setUp = [&](const GpuMesh& mesh) {
-        if (ofMaterial && mesh.material != material) setMaterial(material = mesh.material, uniforms);
-        (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
-        glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
-        glProgramUniform4fv(program, uniforms.grid, 1, &mesh.packing.grid.x);
-        ++count.draws;
-    };
-    const auto typeOf = [](const GpuMesh& mesh) -> GLenum { return mesh.wideIndices() ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT; };
-    struct {
-        const GpuMesh* mesh = nullptr;
-        size_t first = 0, commands = 0;
-    } run;  // of indirect commands, one after the other, of meshes that draw alike
-    const auto drawRun = [&] {
-        if (!run.mesh) return;
-        setUp(*run.mesh);
-        glMultiDrawElementsIndirect(GL_TRIANGLES, typeOf(*run.mesh), reinterpret_cast<const void*>(run.first * sizeof(IndirectCommand)), GLsizei(run.commands), 0);
-    };
     for (const DrawList::Range& range : list.ranges) {
         size_t command = range.first;
         for (const GpuMesh& mesh : parts[range.part].meshes) {
             const size_t own = command++;
             if (mesh.alphaTested != (bucket == Bucket::alphaTested)) continue;
-            count.triangles += size_t(mesh.indexCount / 3) * range.count;
-            if (!list.commands) {
-                setUp(mesh);
-                glDrawElementsInstancedBaseVertexBaseInstance(GL_TRIANGLES, GLsizei(mesh.indexCount), typeOf(mesh), reinterpret_cast<const void*>(mesh.indexOffset),
+            if (attributes != Attributes::position && mesh.material != material) setMaterial(material = mesh.material, uniforms);
+            (mesh.cullBack && faces == Faces::front ? glEnable : glDisable)(GL_CULL_FACE);
+            glBindVertexArray(arrays_[size_t(mesh.packing.vertices)][int(attributes)].name());
+            glProgramUniform4fv(program, uniforms.grid, 1, &mesh.packing.grid.x);
+            const GLenum type = mesh.packing.indices == Packing::Indices::bits32 ? GL_UNSIGNED_INT : GL_UNSIGNED_SHORT;
+            if (list.commands)
+                glDrawElementsIndirect(GL_TRIANGLES, type, reinterpret_cast<const void*>(own * sizeof(IndirectCommand)));
+            else
+                glDrawElementsInstancedBaseVertexBaseInstance(GL_TRIANGLES, GLsizei(mesh.indexCount), type, reinterpret_cast<const void*>(mesh.indexOffset),
                                                               GLsizei(range.count), mesh.baseVertex, range.first);
-            } else if (run.mesh && own == run.first + run.commands && mesh.state(ofMaterial) == run.mesh->state(ofMaterial)) {
-                ++run.commands;
-            } else {
-                drawRun();
-                run = {&mesh, own, 1};
-            }
+            ++count.draws;
+            count.triangles += size_t(mesh.indexCount / 3) * range.count;
         }
     }
-    drawRun();
     glDisable(GL_CULL_FACE);
     return count;
 }

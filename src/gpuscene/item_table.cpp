@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace dapple::gpuscene {
 namespace {
@@ -41,24 +40,15 @@ ItemTable::ItemTable(const Items& items, bool castersOnly)
     : items_(items), hierarchy_(items.hierarchy(Items::kLeafTriangles, castersOnly)), order_(hierarchy_.items()), rangeOf_(items.parts().size(), Hierarchy::kNone) {
     std::vector<uint32_t> uses(items.parts().size(), 0);
     for (const uint32_t item : order_) ++uses[items[item].part];
-    // Commands of parts that draw alike lie side by side, for one call to draw them.
-    std::vector<uint32_t> byState(items.parts().size());
-    std::iota(byState.begin(), byState.end(), 0);
-    std::ranges::stable_sort(byState, {}, [&](uint32_t p) {
-        const std::vector<GpuMesh>& meshes = items.parts()[p].meshes;
-        return meshes.empty() ? GpuMesh().state(true) : meshes.front().state(true);
-    });
-    std::vector<TablePart> parts(byState.size());
+    std::vector<TablePart> parts;
     std::vector<IndirectCommand> commands;
-    firstCommand_.resize(parts.size());
-    firstSlot_.resize(parts.size());
     uint32_t slot = 0;
-    for (const uint32_t p : byState) {
+    for (size_t p = 0; p < items.parts().size(); ++p) {
         const Part& part = items.parts()[p];
-        firstCommand_[p] = uint32_t(commands.size());
-        firstSlot_[p] = slot;
+        firstCommand_.push_back(uint32_t(commands.size()));
         for (const GpuMesh& mesh : part.meshes) commands.push_back({mesh.indexCount, 0, mesh.firstIndex(), mesh.baseVertex, slot});
-        parts[p] = {part.box.lo, firstCommand_[p], part.box.hi, uint32_t(part.meshes.size()), slot, {}};
+        parts.push_back({part.box.lo, firstCommand_.back(), part.box.hi, uint32_t(part.meshes.size()), slot, {}});
+        firstSlot_.push_back(slot);
         slot += uses[p];
     }
     commandCount_ = commands.size();
@@ -96,7 +86,6 @@ void ItemTable::pick(const std::function<bool(const base::Box&)>& keep, Groups& 
         }
     }
     for (const DrawList::Range& range : groups.parts) rangeOf_[range.part] = Hierarchy::kNone;
-    std::ranges::sort(groups.parts, {}, &DrawList::Range::first);  // as the commands lie
     groups.count = picked.size();
     groups.buffer.update(picked.size() * sizeof(TableGroup), picked.data());
 }

@@ -8,7 +8,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <tuple>
 #include <vector>
 
 namespace dapple::gpuscene {
@@ -23,14 +22,8 @@ struct GpuMesh {
     bool alphaTested = false;
     bool cullBack = false;  ///< single-sided material, hence a closed mesh: see Faces
 
-    bool wideIndices() const { return packing.indices == Packing::Indices::bits32; }
     /// In units of its own indices.
-    uint32_t firstIndex() const { return uint32_t(indexOffset / (wideIndices() ? 4 : 2)); }
-    /// Meshes of which it is equal can be drawn by one call; with materials, where `ofMaterial`.
-    auto state(bool ofMaterial) const {
-        const glm::vec4& grid = packing.grid;
-        return std::tuple(alphaTested, cullBack, packing.vertices, wideIndices(), grid.x, grid.y, grid.z, grid.w, ofMaterial ? material : 0);
-    }
+    uint32_t firstIndex() const { return uint32_t(indexOffset / (packing.indices == Packing::Indices::bits32 ? 4 : 2)); }
 };
 
 /// Per-instance vertex attributes: where an instance stands relative to the eye, so that floats suffice

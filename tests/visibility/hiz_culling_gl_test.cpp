@@ -88,34 +88,5 @@ TEST_F(HizCullingTest, ForgetsWhatIsHidden) {
     EXPECT_GT(drawn(beside), kCrates * 3 / 4);
 }
 
-// Forty prototypes of one shape; the even ones of one material, the odd ones of another.
-TEST_F(HizCullingTest, DrawsWhatDrawsAlikeInOneCall) {
-    scenegen::Scene crates;
-    for (const char* name : {"even", "odd"}) crates.materials.push_back({.name = name});
-    for (uint32_t i = 0; i < 40; ++i) {
-        scenegen::Prototype& prototype = crates.prototypes.emplace_back();
-        prototype.meshes.push_back(scenegen::boxMesh(glm::vec3(1)));
-        prototype.meshes[0].material = i % 2;
-        crates.instances.push_back({{float(i % 8) * 2 - 7, float(i / 8) * 2 - 4, 0}, 1, 0, i});
-    }
-    const gpuscene::GpuScene scene(crates);
-    Raster raster(scene, 128, 128);
-    HizCulling culling(scene.items(), {.pixels = {128, 128}});
-    const CullView view = sunAt({0, 0, 1}, {0.2, 0.1, -1}, 20, 0);
-    const gl::Program program("shadow/map_depth.vert", "");
-    program.set("uLightClip", glm::mat4(view.clipFromRelative));
-    for (const auto& [attributes, calls] : {std::pair(gpuscene::Attributes::position, 1u), std::pair(gpuscene::Attributes::all, 2u)}) {
-        raster.start(view);
-        const std::vector<float> expected = raster.everything();
-        raster.start(view);
-        culling.draw({.view = view, .leastW = 0.05, .depth = &raster.depth(), .depthClamp = true}, [&](const gpuscene::DrawList& list) {
-            program.use();
-            EXPECT_EQ(scene.draw(list, gpuscene::Bucket::opaque, attributes, program.name()).draws, calls);
-        });
-        EXPECT_EQ(different(raster.read(), expected), 0u);
-        EXPECT_EQ(culling.drawn().size(), 40u);
-    }
-}
-
 }  // namespace
 }  // namespace dapple::visibility
