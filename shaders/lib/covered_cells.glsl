@@ -52,6 +52,17 @@ Outline outlineOf(Box box, float deepest) {
     return outline;
 }
 
+// Whether it may cover one of the pixels from a to b before a depth; `margin` as in mayBeBefore().
+bool mayCover(Outline outline, vec2 a, vec2 b, vec2 margin, float depth) {
+    vec3 centre = vec3((a + b + 1.0) / uPixels - 1.0, 1.0);
+    vec2 reach = (b - a + 2.0 * margin) / uPixels;
+    for (int i = 0; i < outline.sideCount; ++i)
+        if (dot(outline.sides[i], centre) + dot(abs(outline.sides[i].xy), reach) < 0.0) return false;
+    for (int i = 0; i < outline.faceCount; ++i)
+        if (dot(outline.faces[i], centre) - dot(abs(outline.faces[i].xy), reach) > depth) return false;
+    return true;
+}
+
 bool mayBeBefore(Box box) {
     ClipBounds bounds = clipBounds(box);
     if (bounds.outside) return false;
@@ -80,12 +91,11 @@ bool mayBeBefore(Box box) {
             float size = float(1 << level) / uCellsPerPixel;
             vec2 from = max(ceil(vec2(x, y) * size - 0.501), first), to = min(floor(vec2(x + 1, y + 1) * size - 0.499) + beyond, last);
             if (any(greaterThan(from, to))) continue;
-            vec3 centre = vec3((from + to + 1.0) / uPixels - 1.0, 1.0);
-            vec2 reach = (to - from + 2.0 * margin) / uPixels;
-            bool inside = true;
-            for (int i = 0; i < outline.sideCount && inside; ++i) inside = dot(outline.sides[i], centre) + dot(abs(outline.sides[i].xy), reach) >= 0.0;
-            for (int i = 0; i < outline.faceCount && inside; ++i) inside = dot(outline.faces[i], centre) - dot(abs(outline.faces[i].xy), reach) - slack <= value;
-            if (inside) return true;
+            if (!mayCover(outline, from, to, margin, value + slack)) continue;
+            if (uBeyond == 0 || any(greaterThan(to - from, vec2(4.0)))) return true;
+            // A few pixels: a thin box may lie between their centres.
+            for (vec2 at = from; at.y <= to.y; at = at.x < to.x ? vec2(at.x + 1.0, at.y) : vec2(from.x, at.y + 1.0))
+                if (mayCover(outline, at, at, margin, value + slack)) return true;
         }
     return false;
 }

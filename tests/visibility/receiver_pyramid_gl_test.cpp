@@ -120,8 +120,7 @@ struct Outcome {
 };
 
 /// Needed is a box which the line through some pixel's centre enters no later than the pixel's receivers lie. Loose is one that
-/// is kept although, a quarter of a pixel larger, it would not be needed by the cells' values either; where look-ups read several
-/// pixels, three quarters, because it may lie between the centres of two.
+/// is kept although, a quarter of a pixel larger, it would not be needed by the cells' values either.
 Outcome compare(const gpuscene::Items& items, const CullView& view, const Receivers& receivers, double metresPerPixel) {
     ReceiverPyramid pyramid(receivers.size, 2, receivers.beyond);
     pyramid.clear();
@@ -151,7 +150,6 @@ Outcome compare(const gpuscene::Items& items, const CullView& view, const Receiv
     Outcome outcome;
     outcome.kept = kept.size();
     const int size = receivers.size;
-    const double grown = (receivers.beyond > 0 ? 0.75 : 0.25) * metresPerPixel;
     for (uint32_t item = 0; item < items.size(); ++item) {
         const Seen box(view, items, item);
         base::DBox ndc;
@@ -176,7 +174,7 @@ Outcome compare(const gpuscene::Items& items, const CullView& view, const Receiv
                 if (most < 0) continue;
                 const glm::dvec2 place = (glm::dvec2(x, y) + 0.5) * (2.0 / size) - 1.0;
                 needed = box.entry(place) <= receivers.read(x, y, [&](int rx, int ry) { return receivers.at(rx, ry); });
-                nearly = nearly || box.entry(place, grown) <= most + 1e-4;
+                nearly = nearly || box.entry(place, 0.25 * metresPerPixel) <= most + 1e-4;
             }
         outcome.needed += needed;
         outcome.lost += needed && !kept.contains(item);
