@@ -34,9 +34,8 @@ layout(std430, binding = 2) restrict writeonly buffer ListData { InstanceData li
 layout(std430, binding = 3) restrict buffer ListCommands { IndirectCommand listCommands[]; };
 layout(std430, binding = 5) restrict writeonly buffer ListPlaces { uint listPlaces[]; };
 layout(std430, binding = 4) restrict readonly buffer TableGroups { TableGroup tableGroups[]; };
-// What a dispatch reads, and the groups that are worth a look at their items.
-layout(std430, binding = 7) restrict buffer WorthALook { uint worthX, worthY, worthZ, worthCount, worthGroups[]; };
-const uint kMostWorkGroups = 65535u;  // what GL grants a dispatch along one axis
+// By group: 1 where its items are worth a look. No list of them, so that those of the groups are added in order.
+layout(std430, binding = 7) restrict buffer WorthALook { uint worthALook[]; };
 
 uniform dvec3 uEye;  // metres from Scene::origin; subtracted in double, as the CPU does
 uniform int uGroups;
@@ -66,18 +65,11 @@ void addToList(uint place, TablePart p, Box b) {
     listData[p.firstSlot + slot] = InstanceData(float[3](b.position.x, b.position.y, b.position.z), b.scale, float[2](b.cosSinYaw.x, b.cosSinYaw.y));
 }
 
-void addWorthALook(uint group) {
-    uint n = atomicAdd(worthCount, 1u);
-    worthGroups[n] = group;
-    atomicMax(worthX, min(n + 1u, kMostWorkGroups));
-    atomicMax(worthY, n / kMostWorkGroups + 1u);
-}
-
 // The table's place of this invocation's item; false: it has none. `all`: of all groups, not only of those worth a look.
 bool placeOfItem(bool all, out uint place) {
     uint n = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    if (n >= (all ? uint(uGroups) : worthCount)) return false;
-    TableGroup g = tableGroups[all ? n : worthGroups[n]];
+    if (n >= uint(uGroups) || (!all && worthALook[n] == 0u)) return false;
+    TableGroup g = tableGroups[n];
     place = g.first + gl_LocalInvocationIndex;
     return gl_LocalInvocationIndex < g.count;
 }

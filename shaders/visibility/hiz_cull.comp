@@ -25,8 +25,9 @@ void main() {
     uint group = gl_GlobalInvocationID.x;
     if (group >= uint(uGroups)) return;
     TableGroup g = tableGroups[group];
-    if (mayBeBefore(boxOf(g))) addWorthALook(group);
-    else histories[g.first].groupHidden = uint(uFrame);
+    bool worth = mayBeBefore(boxOf(g));
+    worthALook[group] = worth ? 1u : 0u;
+    if (!worth) histories[g.first].groupHidden = uint(uFrame);
 #else
     uint place;
 #ifdef SECOND

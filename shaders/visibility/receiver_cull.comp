@@ -12,7 +12,7 @@ float valueOfKey(uint key) { return isReceiver(key) ? depthOfKey(key) : -1e30; }
 void main() {
 #ifdef GROUPS
     uint group = gl_GlobalInvocationID.x;
-    if (group < uint(uGroups) && mayBeBefore(boxOf(tableGroups[group]))) addWorthALook(group);
+    if (group < uint(uGroups)) worthALook[group] = mayBeBefore(boxOf(tableGroups[group])) ? 1u : 0u;
 #else
     uint place;
     if (!placeOfItem(false, place)) return;

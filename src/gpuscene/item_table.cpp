@@ -100,9 +100,7 @@ void ItemTable::choose(const gl::Program* group, const gl::Program& item, const 
     list.places.update(size() * sizeof(uint32_t), nullptr);
     list.commands.update(commandCount_ * sizeof(IndirectCommand), nullptr);
     glCopyNamedBufferSubData(commands_.name(), list.commands.name(), 0, 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)));
-    constexpr GLuint kNoneWorthALook[] = {0, 0, 1, 0};  // work groups along x, y, z; groups
-    worthALook_.update(sizeof kNoneWorthALook + groups.count * sizeof(GLuint), nullptr);
-    worthALook_.update(sizeof kNoneWorthALook, kNoneWorthALook);
+    worthALook_.update(groups.count * sizeof(GLuint), nullptr);
     const std::pair<GLuint, GLuint> bindings[] = {{0, table_.name()}, {1, parts_.name()}, {2, list.buffer.name()}, {3, list.commands.name()},
                                                   {4, groups.buffer.name()}, {5, list.places.name()}, {7, worthALook_.name()}};
     for (const auto& [index, name] : bindings) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, index, name);
@@ -114,14 +112,10 @@ void ItemTable::choose(const gl::Program* group, const gl::Program& item, const 
     if (group) {
         use(*group);
         glDispatchCompute(GLuint((groups.count + kGroupItems - 1) / kGroupItems), 1, 1);
-        glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-        use(item);
-        glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, worthALook_.name());
-        glDispatchComputeIndirect(0);
-    } else {
-        use(item);
-        glDispatchCompute(GLuint(std::min(groups.count, kMostGroups)), GLuint((groups.count + kMostGroups - 1) / kMostGroups), 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
+    use(item);
+    glDispatchCompute(GLuint(std::min(groups.count, kMostGroups)), GLuint((groups.count + kMostGroups - 1) / kMostGroups), 1);
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
