@@ -34,8 +34,12 @@ layout(std430, binding = 2) restrict writeonly buffer ListData { InstanceData li
 layout(std430, binding = 3) restrict buffer ListCommands { IndirectCommand listCommands[]; };
 layout(std430, binding = 5) restrict writeonly buffer ListPlaces { uint listPlaces[]; };
 layout(std430, binding = 4) restrict readonly buffer TableGroups { TableGroup tableGroups[]; };
-// By group: 1 where its items are worth a look. No list of them, so that those of the groups are added in order.
-layout(std430, binding = 7) restrict buffer WorthALook { uint worthALook[]; };
+#ifdef GROUPS
+layout(std430, binding = 7) restrict writeonly buffer WorthALook { uint worthALook[]; };  // by group: 1 where its items are
+#else
+// The groups that are, in their order (visibility/list_groups.comp), so that their items are added in theirs.
+layout(std430, binding = 7) restrict readonly buffer ListedGroups { uint listedX, listedY, listedZ, listedCount, listed[]; };
+#endif
 
 uniform dvec3 uEye;  // metres from Scene::origin; subtracted in double, as the CPU does
 uniform int uGroups;
@@ -65,11 +69,13 @@ void addToList(uint place, TablePart p, Box b) {
     listData[p.firstSlot + slot] = InstanceData(float[3](b.position.x, b.position.y, b.position.z), b.scale, float[2](b.cosSinYaw.x, b.cosSinYaw.y));
 }
 
+#ifndef GROUPS
 // The table's place of this invocation's item; false: it has none. `all`: of all groups, not only of those worth a look.
 bool placeOfItem(bool all, out uint place) {
     uint n = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    if (n >= uint(uGroups) || (!all && worthALook[n] == 0u)) return false;
-    TableGroup g = tableGroups[n];
+    if (n >= (all ? uint(uGroups) : listedCount)) return false;
+    TableGroup g = tableGroups[all ? n : listed[n]];
     place = g.first + gl_LocalInvocationIndex;
     return gl_LocalInvocationIndex < g.count;
 }
+#endif

@@ -54,6 +54,7 @@ ItemTable::ItemTable(const Items& items, bool castersOnly)
     commandCount_ = commands.size();
     parts_ = gl::Buffer::of<TablePart>(parts);
     commands_ = gl::Buffer::of<IndirectCommand>(commands);
+    listGroups_ = gl::Program::compute("visibility/list_groups.comp");
     upload();
 }
 
@@ -101,6 +102,7 @@ void ItemTable::choose(const gl::Program* group, const gl::Program& item, const 
     list.commands.update(commandCount_ * sizeof(IndirectCommand), nullptr);
     glCopyNamedBufferSubData(commands_.name(), list.commands.name(), 0, 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)));
     worthALook_.update(groups.count * sizeof(GLuint), nullptr);
+    listed_.update((4 + groups.count) * sizeof(GLuint), nullptr);
     const std::pair<GLuint, GLuint> bindings[] = {{0, table_.name()}, {1, parts_.name()}, {2, list.buffer.name()}, {3, list.commands.name()},
                                                   {4, groups.buffer.name()}, {5, list.places.name()}, {7, worthALook_.name()}};
     for (const auto& [index, name] : bindings) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, index, name);
@@ -113,9 +115,20 @@ void ItemTable::choose(const gl::Program* group, const gl::Program& item, const 
         use(*group);
         glDispatchCompute(GLuint((groups.count + kGroupItems - 1) / kGroupItems), 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        listGroups_.set("uGroups", int(groups.count));
+        listGroups_.use();
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, listed_.name());
+        glDispatchCompute(1, 1, 1);
+        glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, groups.buffer.name());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, listed_.name());
+        use(item);
+        glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, listed_.name());
+        glDispatchComputeIndirect(0);
+    } else {
+        use(item);
+        glDispatchCompute(GLuint(std::min(groups.count, kMostGroups)), GLuint((groups.count + kMostGroups - 1) / kMostGroups), 1);
     }
-    use(item);
-    glDispatchCompute(GLuint(std::min(groups.count, kMostGroups)), GLuint((groups.count + kMostGroups - 1) / kMostGroups), 1);
     glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

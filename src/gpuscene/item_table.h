@@ -43,7 +43,8 @@ private:
     std::vector<uint32_t> firstCommand_, firstSlot_;  ///< by part
     mutable std::vector<uint32_t> rangeOf_;  ///< by part; kNone between calls
     gl::Buffer table_, parts_, commands_;
-    mutable gl::Buffer worthALook_;  ///< of the last choose()
+    gl::Program listGroups_;
+    mutable gl::Buffer worthALook_, listed_;  ///< of the last choose()
 };
 
 }  // namespace dapple::gpuscene
