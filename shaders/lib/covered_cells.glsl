@@ -99,3 +99,18 @@ bool mayBeBefore(Box box) {
         }
     return false;
 }
+
+// That of an item's boxes, from the outside in: false only if it is of all its triangles.
+bool mayBeBefore(TableItem item) {
+    Box box = boxOf(item);
+    uint end = tableBoxes[item.firstBox].next;
+    for (uint n = item.firstBox; n < end;) {
+        NestedBox nested = tableBoxes[n];
+        box.lo = nested.lo;
+        box.hi = nested.hi;
+        bool before = mayBeBefore(box);
+        if (before && nested.next == n + 1u) return true;
+        n = before ? n + 1u : nested.next;
+    }
+    return false;
+}

@@ -5,14 +5,13 @@ struct TableItem {
     vec3 translation;  // metres from Scene::origin
     float scale;
     vec2 cosSinYaw;
-    uint part, padding;
+    uint firstBox, firstCommand, commands, firstSlot, padding0, padding1;
 };
-struct TablePart {
-    vec3 lo;           // of its box, prototype space
-    uint firstCommand;
+struct NestedBox {     // of its part, prototype space
+    vec3 lo;
+    uint next;         // past those within this one, which follow it
     vec3 hi;
-    uint commands;
-    uint firstSlot, padding0, padding1, padding2;
+    uint padding;
 };
 struct TableGroup {
     vec3 lo;           // of the box of all its items, metres from Scene::origin
@@ -29,7 +28,7 @@ struct IndirectCommand {
     uint firstInstance;
 };
 layout(std430, binding = 0) restrict readonly buffer TableItems { TableItem tableItems[]; };
-layout(std430, binding = 1) restrict readonly buffer TableParts { TablePart tableParts[]; };
+layout(std430, binding = 1) restrict readonly buffer TableBoxes { NestedBox tableBoxes[]; };
 layout(std430, binding = 2) restrict writeonly buffer ListData { InstanceData listData[]; };
 layout(std430, binding = 3) restrict buffer ListCommands { IndirectCommand listCommands[]; };
 layout(std430, binding = 5) restrict writeonly buffer ListPlaces { uint listPlaces[]; };
@@ -52,7 +51,10 @@ struct Box {
     float scale;
     vec2 cosSinYaw;
 };
-Box boxOf(TableItem i, TablePart p) { return Box(relative(i.translation), p.lo, p.hi, i.scale, i.cosSinYaw); }
+Box boxOf(TableItem i) {
+    NestedBox all = tableBoxes[i.firstBox];
+    return Box(relative(i.translation), all.lo, all.hi, i.scale, i.cosSinYaw);
+}
 Box boxOf(TableGroup g) { return Box(relative(g.lo), vec3(0.0), g.hi - g.lo, 1.0, vec2(1.0, 0.0)); }
 
 vec3 boxCorner(Box b, uint corner) {
@@ -61,12 +63,13 @@ vec3 boxCorner(Box b, uint corner) {
     return b.position + b.scale * turned;
 }
 
-void addToList(uint place, TablePart p, Box b) {
-    if (p.commands == 0u) return;
-    uint slot = atomicAdd(listCommands[p.firstCommand].instances, 1u);
-    for (uint m = 1u; m < p.commands; ++m) atomicAdd(listCommands[p.firstCommand + m].instances, 1u);
-    listPlaces[p.firstSlot + slot] = place;
-    listData[p.firstSlot + slot] = InstanceData(float[3](b.position.x, b.position.y, b.position.z), b.scale, float[2](b.cosSinYaw.x, b.cosSinYaw.y));
+void addToList(uint place, TableItem i) {
+    if (i.commands == 0u) return;
+    uint slot = atomicAdd(listCommands[i.firstCommand].instances, 1u);
+    for (uint m = 1u; m < i.commands; ++m) atomicAdd(listCommands[i.firstCommand + m].instances, 1u);
+    listPlaces[i.firstSlot + slot] = place;
+    vec3 position = relative(i.translation);
+    listData[i.firstSlot + slot] = InstanceData(float[3](position.x, position.y, position.z), i.scale, float[2](i.cosSinYaw.x, i.cosSinYaw.y));
 }
 
 #ifndef GROUPS

@@ -39,16 +39,14 @@ void main() {
 #ifndef SECOND
     if (!before) return;
 #endif
-    TableItem i = tableItems[place];
-    TablePart p = tableParts[i.part];
-    Box box = boxOf(i, p);
+    TableItem item = tableItems[place];
 #ifdef SECOND
-    bool seen = mayBeBefore(box);
+    bool seen = before ? mayBeBefore(boxOf(item)) : mayBeBefore(item);  // a second look where it is likely to spare a draw
     histories[place].itemVisible = seen ? uint(uFrame) : 0u;
     seen = seen && !before;  // or else the first phase has drawn it
 #else
-    bool seen = !clipBounds(box).outside;
+    bool seen = !clipBounds(boxOf(item)).outside;
 #endif
-    if (seen) addToList(place, p, box);
+    if (seen) addToList(place, item);
 #endif
 }

@@ -16,9 +16,7 @@ void main() {
 #else
     uint place;
     if (!placeOfItem(false, place)) return;
-    TableItem i = tableItems[place];
-    TablePart p = tableParts[i.part];
-    Box box = boxOf(i, p);
-    if (mayBeBefore(box)) addToList(place, p, box);
+    TableItem item = tableItems[place];
+    if (mayBeBefore(item)) addToList(place, item);
 #endif
 }

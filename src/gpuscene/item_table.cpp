@@ -1,5 +1,9 @@
 #include "gpuscene/item_table.h"
 
+#include "gpuscene/nested_boxes.h"
+
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,18 +17,9 @@ struct TableItem {
     glm::vec3 translation;  ///< metres from Scene::origin
     float scale;
     glm::vec2 cosSinYaw;
-    uint32_t part, padding;
+    uint32_t firstBox, firstCommand, commands, firstSlot, padding[2];
 };
-static_assert(sizeof(TableItem) == 32);
-
-struct TablePart {
-    glm::vec3 lo;
-    uint32_t firstCommand;
-    glm::vec3 hi;
-    uint32_t commands;
-    uint32_t firstSlot, padding[3];
-};
-static_assert(sizeof(TablePart) == 48);
+static_assert(sizeof(TableItem) == 48);
 
 struct TableGroup {
     glm::vec3 lo;  ///< metres from Scene::origin
@@ -40,19 +35,27 @@ ItemTable::ItemTable(const Items& items, bool castersOnly)
     : items_(items), hierarchy_(items.hierarchy(Items::kLeafTriangles, castersOnly)), order_(hierarchy_.items()), rangeOf_(items.parts().size(), Hierarchy::kNone) {
     std::vector<uint32_t> uses(items.parts().size(), 0);
     for (const uint32_t item : order_) ++uses[items[item].part];
-    std::vector<TablePart> parts;
+    std::vector<std::vector<NestedBox>> nested(items.parts().size());
+    tbb::parallel_for(size_t(0), nested.size(), [&](size_t p) {
+        if (uses[p] > 0) nested[p] = nestedBoxes(items.scene(), items.parts()[p]);
+    });
+    std::vector<NestedBox> boxes;
     std::vector<IndirectCommand> commands;
     uint32_t slot = 0;
     for (size_t p = 0; p < items.parts().size(); ++p) {
         const Part& part = items.parts()[p];
         firstCommand_.push_back(uint32_t(commands.size()));
         for (const GpuMesh& mesh : part.meshes) commands.push_back({mesh.indexCount, 0, mesh.firstIndex(), mesh.baseVertex, slot});
-        parts.push_back({part.box.lo, firstCommand_.back(), part.box.hi, uint32_t(part.meshes.size()), slot, {}});
         firstSlot_.push_back(slot);
+        firstBox_.push_back(uint32_t(boxes.size()));
+        for (NestedBox box : nested[p]) {
+            box.next += firstBox_.back();
+            boxes.push_back(box);
+        }
         slot += uses[p];
     }
     commandCount_ = commands.size();
-    parts_ = gl::Buffer::of<TablePart>(parts);
+    boxes_ = gl::Buffer::of<NestedBox>(boxes);
     commands_ = gl::Buffer::of<IndirectCommand>(commands);
     listGroups_ = gl::Program::compute("visibility/list_groups.comp");
     upload();
@@ -63,7 +66,9 @@ void ItemTable::upload() {
     table.reserve(size());
     for (const uint32_t item : order_) {
         const scenegen::Instance& i = items_.instance(item);
-        table.push_back({i.translation, i.scale, {float(std::cos(double(i.yaw))), float(std::sin(double(i.yaw)))}, items_[item].part, 0});
+        const uint32_t part = items_[item].part;
+        table.push_back({i.translation, i.scale, {float(std::cos(double(i.yaw))), float(std::sin(double(i.yaw)))}, firstBox_[part], firstCommand_[part],
+                         uint32_t(items_.parts()[part].meshes.size()), firstSlot_[part], {}});
     }
     table_.update(table.size() * sizeof(TableItem), table.data());
 }
@@ -103,7 +108,7 @@ void ItemTable::choose(const gl::Program* group, const gl::Program& item, const 
     glCopyNamedBufferSubData(commands_.name(), list.commands.name(), 0, 0, GLsizeiptr(commandCount_ * sizeof(IndirectCommand)));
     worthALook_.update(groups.count * sizeof(GLuint), nullptr);
     listed_.update((4 + groups.count) * sizeof(GLuint), nullptr);
-    const std::pair<GLuint, GLuint> bindings[] = {{0, table_.name()}, {1, parts_.name()}, {2, list.buffer.name()}, {3, list.commands.name()},
+    const std::pair<GLuint, GLuint> bindings[] = {{0, table_.name()}, {1, boxes_.name()}, {2, list.buffer.name()}, {3, list.commands.name()},
                                                   {4, groups.buffer.name()}, {5, list.places.name()}, {7, worthALook_.name()}};
     for (const auto& [index, name] : bindings) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, index, name);
     const auto use = [&](const gl::Program& program) {

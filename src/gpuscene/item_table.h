@@ -40,9 +40,9 @@ private:
     const Hierarchy& hierarchy_;
     std::span<const uint32_t> order_;
     size_t commandCount_ = 0;
-    std::vector<uint32_t> firstCommand_, firstSlot_;  ///< by part
+    std::vector<uint32_t> firstCommand_, firstSlot_, firstBox_;  ///< by part
     mutable std::vector<uint32_t> rangeOf_;  ///< by part; kNone between calls
-    gl::Buffer table_, parts_, commands_;
+    gl::Buffer table_, boxes_, commands_;
     gl::Program listGroups_;
     mutable gl::Buffer worthALook_, listed_;  ///< of the last choose()
 };

@@ -48,7 +48,8 @@ struct Part {
     base::Box box;  ///< prototype space
     bool castsShadow = true;
     size_t triangles = 0;
-    std::vector<GpuMesh> meshes;
+    std::vector<GpuMesh> meshes{};
+    bool whole = true;  ///< not a cluster
 };
 
 /// Items to draw, grouped by part, with their buffer on the GPU; `ranges` index `data`. Where a compute shader has chosen
@@ -89,6 +90,7 @@ public:
     Items(const scenegen::Scene& scene, std::vector<Part> parts);
 
     size_t size() const { return items_.size(); }
+    const scenegen::Scene& scene() const { return *scene_; }
     std::span<const Part> parts() const { return parts_; }
     const Item& operator[](uint32_t item) const { return items_[item]; }
     const Part& part(uint32_t item) const { return parts_[items_[item].part]; }

@@ -1,4 +1,4 @@
-// Boxes against a pyramid of receivers, and against all lines of sight to pixel centres, one by one in double.
+// Boxes, and meshes made of them, against a pyramid of receivers, and against all lines of sight to pixel centres, one by one in double.
 #include "visibility/receiver_pyramid.h"
 
 #include "base/random.h"
@@ -10,21 +10,31 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <set>
 
 namespace dapple::visibility {
 namespace {
 
-/// Specks, needles, flat sheets, crates, towers and blocks, turned and scaled, strewn about the origin.
+scenegen::Mesh boxAt(const glm::vec3& at, const glm::vec3& size) {
+    scenegen::Mesh mesh = scenegen::boxMesh(size);
+    for (glm::vec3& p : mesh.positions) p += at;
+    return mesh;
+}
+
+/// Specks, needles, flat sheets, crates, towers, blocks, gates, and walls about a court, turned and scaled, strewn about the origin.
+/// Every mesh is a box.
 scenegen::Scene boxes() {
     scenegen::Scene scene;
     scene.materials.resize(1);
     for (const glm::vec3& size : {glm::vec3(0.02f), glm::vec3(9, 0.03f, 0.03f), glm::vec3(0.03f, 0.03f, 7), glm::vec3(5, 4, 0), glm::vec3(0, 3, 6), glm::vec3(1.5f), glm::vec3(2, 3, 15), glm::vec3(6, 5, 12)})
         scene.prototypes.push_back({"box", {scenegen::boxMesh(size)}, true, false});
+    scene.prototypes.push_back({"gate", {boxAt({-4, 0, 0}, {0.5f, 0.5f, 8}), boxAt({4, 0, 0}, {0.5f, 0.5f, 8}), boxAt({0, 0, 8}, {9, 0.5f, 0.5f})}, true, false});
+    scene.prototypes.push_back({"court", {boxAt({-7, 0, 0}, {1, 15, 5}), boxAt({7, 0, 0}, {1, 15, 7}), boxAt({0, 7, 0}, {13, 1, 5}), boxAt({0, 0, 0}, {0.2f, 0.2f, 16})}, true, false});
     base::Random random(3, 0, 0);
     for (uint32_t i = 0; i < 3000; ++i)
-        scene.instances.push_back({{random.next(-40, 40), random.next(-40, 40), random.next(-15, 30)}, random.next(0.3f, 1.2f), i % 3 ? random.next(0, 6.28f) : 0, i % 8});
+        scene.instances.push_back({{random.next(-40, 40), random.next(-40, 40), random.next(-15, 30)}, random.next(0.3f, 1.2f), i % 3 ? random.next(0, 6.28f) : 0, i % 10});
     scene.views.emplace_back();
     return scene;
 }
@@ -68,46 +78,72 @@ struct Receivers {
     size_t cellOf(int pixel, int side, double moved = 0) const { return std::min(size_t((pixel + 0.5) * side / size + moved), size_t(side) - 1); }
 };
 
-/// A box of the scene, seen by the sun.
+/// An item of the scene, seen by the sun.
 struct Seen {
+    static constexpr double kLeastW = 0.05;
     glm::dmat4 clip, relative;
-    glm::dvec3 position, lo, hi;  ///< metres relative to the eye; prototype space times scale
+    glm::dvec3 position;            ///< metres relative to the eye
+    std::vector<base::DBox> known;  ///< of the meshes that lie in front as a whole; prototype space times scale
+    base::DBox image;               ///< theirs, after the division by w
+    bool unknown = false;           ///< the sun might see a triangle of the others: nothing more is known of it
     double cosYaw, sinYaw;
 
     Seen(const CullView& view, const gpuscene::Items& items, uint32_t item) : clip(view.clipFromRelative), relative(glm::inverse(clip)) {
         const scenegen::Instance& i = items.instance(item);
-        const base::Box& box = items.part(item).box;
         position = glm::dvec3(i.translation) - view.eye;
-        lo = glm::dvec3(box.lo) * double(i.scale);
-        hi = glm::dvec3(box.hi) * double(i.scale);
         cosYaw = std::cos(double(i.yaw));
         sinYaw = std::sin(double(i.yaw));
+        for (const scenegen::Mesh& mesh : items.scene().prototypes[i.prototype].meshes) {
+            std::vector<glm::dvec3> corners;
+            base::DBox box;
+            for (const glm::vec3& p : mesh.positions) box.extend(glm::dvec3(p) * double(i.scale));
+            for (int c = 0; c < 8; ++c) corners.push_back(point(box.corner(c)));
+            if (std::ranges::all_of(corners, [&](const glm::dvec3& p) { return (clip * glm::dvec4(p, 1)).w > kLeastW; })) {
+                known.push_back(box);
+                for (const glm::dvec3& p : corners) {
+                    const glm::dvec4 q = clip * glm::dvec4(p, 1);
+                    image.extend(glm::dvec3(q) / q.w);
+                }
+                continue;
+            }
+            for (size_t t = 0; t < mesh.indices.size(); t += 3) {
+                std::array<glm::dvec3, 3> triangle;
+                base::DBox about;
+                for (size_t c = 0; c < 3; ++c) about.extend(triangle[c] = point(glm::dvec3(mesh.positions[mesh.indices[t + c]]) * double(i.scale)));
+                const bool before = std::ranges::all_of(triangle, [&](const glm::dvec3& p) { return (clip * glm::dvec4(p, 1)).w > kLeastW; });
+                unknown = unknown || (!before && view.mayContain(about) && !beyondASide(triangle));
+            }
+        }
     }
     glm::dvec3 point(const glm::dvec3& p) const { return position + glm::dvec3(cosYaw * p.x - sinYaw * p.y, sinYaw * p.x + cosYaw * p.y, p.z); }
     glm::dvec3 local(const glm::dvec3& v) const { return {cosYaw * v.x + sinYaw * v.y, cosYaw * v.y - sinYaw * v.x, v.z}; }
-    glm::dvec4 corner(int c) const { return clip * glm::dvec4(point(base::DBox{lo, hi}.corner(c)), 1); }
-    bool beyondASide() const {
-        for (int side = 0; side < 4; ++side) {
-            bool all = true;
-            for (int c = 0; c < 8 && all; ++c) all = (side % 2 ? 1 : -1) * corner(c)[side / 2] > corner(c).w;
-            if (all) return true;
-        }
+    bool beyondASide(const std::array<glm::dvec3, 3>& triangle) const {
+        for (int side = 0; side < 4; ++side)
+            if (std::ranges::all_of(triangle, [&](const glm::dvec3& p) {
+                    const glm::dvec4 q = clip * glm::dvec4(p, 1);
+                    return (side % 2 ? 1 : -1) * q[side / 2] > q.w;
+                }))
+                return true;
         return false;
     }
-    /// Depth at which the sun's line through a place of the map (ndc) enters the box, 0 before the map's near plane; 2: it does
-    /// not. The box is `grown` on all sides (metres).
+    /// Depth at which the sun's line through a place of the map (ndc) first enters a known mesh, 0 before the map's near plane; 2:
+    /// it enters none. They are `grown` on all sides (metres).
     double entry(const glm::dvec2& place, double grown = 0) const {
         glm::dvec3 ends[2];
         for (int k = 0; k < 2; ++k) {
             const glm::dvec4 q = relative * glm::dvec4(place, k, 1);
             ends[k] = local(glm::dvec3(q) / q.w - position);
         }
-        const glm::dvec3 along = ends[1] - ends[0];
+        double first = 2;
+        for (const base::DBox& box : known) first = std::min(first, entry(box, ends[0], ends[1] - ends[0], grown));
+        return first;
+    }
+    static double entry(const base::DBox& box, const glm::dvec3& from, const glm::dvec3& along, double grown) {
         double in = -1e300, out = 1e300;
         for (int k = 0; k < 3; ++k) {
-            if (along[k] == 0 && (ends[0][k] < lo[k] - grown || ends[0][k] > hi[k] + grown)) return 2;
+            if (along[k] == 0 && (from[k] < box.lo[k] - grown || from[k] > box.hi[k] + grown)) return 2;
             if (along[k] == 0) continue;
-            const double a = (lo[k] - grown - ends[0][k]) / along[k], b = (hi[k] + grown - ends[0][k]) / along[k];
+            const double a = (box.lo[k] - grown - from[k]) / along[k], b = (box.hi[k] + grown - from[k]) / along[k];
             in = std::max(in, std::min(a, b));
             out = std::min(out, std::max(a, b));
         }
@@ -119,7 +155,7 @@ struct Outcome {
     size_t kept = 0, needed = 0, lost = 0, loose = 0;
 };
 
-/// Needed is a box which the line through some pixel's centre enters no later than the pixel's receivers lie. Loose is one that
+/// Needed is an item which the line through some pixel's centre enters no later than the pixel's receivers lie. Loose is one that
 /// is kept although, a quarter of a pixel larger, it would not be needed by the cells' values either.
 Outcome compare(const gpuscene::Items& items, const CullView& view, const Receivers& receivers, double metresPerPixel) {
     ReceiverPyramid pyramid(receivers.size, 2, receivers.beyond);
@@ -143,8 +179,7 @@ Outcome compare(const gpuscene::Items& items, const CullView& view, const Receiv
     }
     pyramid.reduce();
     PyramidCulling culling(items, pyramid, 1);
-    constexpr double kLeastW = 0.05;
-    culling.draw({.view = view, .leastW = kLeastW}, [](const gpuscene::DrawList&) {});
+    culling.draw({.view = view, .leastW = Seen::kLeastW}, [](const gpuscene::DrawList&) {});
     const std::vector<uint32_t> drawn = culling.drawn();
     const std::set<uint32_t> kept(drawn.begin(), drawn.end());
     Outcome outcome;
@@ -152,20 +187,14 @@ Outcome compare(const gpuscene::Items& items, const CullView& view, const Receiv
     const int size = receivers.size;
     for (uint32_t item = 0; item < items.size(); ++item) {
         const Seen box(view, items, item);
-        base::DBox ndc;
-        double leastW = 1e300;
-        for (int c = 0; c < 8; ++c) {
-            leastW = std::min(leastW, box.corner(c).w);
-            ndc.extend(glm::dvec3(box.corner(c)) / box.corner(c).w);
-        }
-        if (leastW <= kLeastW) {  // nothing is known of it but that it is not outside
-            outcome.lost += !kept.contains(item) && view.mayContain(view.relative(items.boxes()[item])) && !box.beyondASide();
+        if (box.unknown || box.known.empty()) {
+            outcome.lost += box.unknown && !kept.contains(item);
             continue;
         }
         int from[2], to[2];
         for (int k = 0; k < 2; ++k) {
-            from[k] = std::max(0, int(std::floor((ndc.lo[k] + 1) / 2 * size)) - 1);
-            to[k] = std::min(size - 1, int(std::floor((ndc.hi[k] + 1) / 2 * size)) + 1);
+            from[k] = std::max(0, int(std::floor((box.image.lo[k] + 1) / 2 * size)) - 1);
+            to[k] = std::min(size - 1, int(std::floor((box.image.hi[k] + 1) / 2 * size)) + 1);
         }
         bool needed = false, nearly = false;
         for (int y = from[1]; y <= to[1] && !needed; ++y)
