@@ -4,6 +4,9 @@
 // inverted: a box's image is the convex body of the images of its planes.
 #include "lib/clip_bounds.glsl"
 #define FAR_BEFORE_ALL (-1e30)
+// Who has looked so often takes a box, or an item, for before. Mesa's llvmpipe leaves all loops of a shader, and says nothing, once
+// they have gone round 65,535 times together: kMostBoxes · (kMostLooks + 200 for the other loops) is less.
+const int kMostLooks = 512, kMostBoxes = 64;
 uniform mat4 uRelative;  // inverse of uClip
 uniform int uLevels;
 uniform float uCellsPerPixel;  // a side of the finest level
@@ -84,32 +87,46 @@ bool mayBeBefore(Box box) {
     if (nearest - slack > most) return false;
     level = levelOf(a, b, uLevels, 256);
     Outline outline = outlineOf(box, max(1.0, max(abs(bounds.lo.z), abs(bounds.hi.z))));
-    for (int y = a.y >> level; y <= b.y >> level; ++y)
-        for (int x = a.x >> level; x <= b.x >> level; ++x) {
-            float value = CELL_VALUE(ivec2(x, y), level);
+    ivec2 origin = a >> level, sides = (b >> level) - origin + 1;
+    float size = float(1 << level) / uCellsPerPixel, value;
+    vec2 from, to, at;  // pixels of a cell
+    bool pixels = false;
+    // One loop over cells and, in them, pixels: neighbours in a SIMD unit wait for the one with the most looks, not for the sum of the
+    // longest at every turn.
+    for (int look = 0, cell = 0; look < kMostLooks; ++look) {
+        if (!pixels) {
+            if (cell == sides.x * sides.y) return false;
+            ivec2 place = origin + ivec2(cell % sides.x, cell / sides.x);
+            ++cell;
+            value = CELL_VALUE(place, level);
             if (nearest - slack > value) continue;
-            float size = float(1 << level) / uCellsPerPixel;
-            vec2 from = max(ceil(vec2(x, y) * size - 0.501), first), to = min(floor(vec2(x + 1, y + 1) * size - 0.499) + beyond, last);
+            at = from = max(ceil(vec2(place) * size - 0.501), first);
+            to = min(floor(vec2(place + 1) * size - 0.499) + beyond, last);
             if (any(greaterThan(from, to))) continue;
-            if (!mayCover(outline, from, to, margin, value + slack)) continue;
-            if (uBeyond == 0 || any(greaterThan(to - from, vec2(4.0)))) return true;
-            // A few pixels: a thin box may lie between their centres.
-            for (vec2 at = from; at.y <= to.y; at = at.x < to.x ? vec2(at.x + 1.0, at.y) : vec2(from.x, at.y + 1.0))
-                if (mayCover(outline, at, at, margin, value + slack)) return true;
         }
-    return false;
+        if (mayCover(outline, at, pixels ? at : to, margin, value + slack)) {
+            // Of a few pixels: a thin box may lie between their centres.
+            if (pixels || uBeyond == 0 || any(greaterThan(to - from, vec2(4.0)))) return true;
+            pixels = true;
+        } else if (pixels) {
+            at = at.x < to.x ? vec2(at.x + 1.0, at.y) : vec2(from.x, at.y + 1.0);
+            pixels = at.y <= to.y;
+        }
+    }
+    return true;
 }
 
 // That of an item's boxes, from the outside in: false only if it is of all its triangles.
 bool mayBeBefore(TableItem item) {
     Box box = boxOf(item);
     uint end = tableBoxes[item.firstBox].next;
+    int boxes = 0;
     for (uint n = item.firstBox; n < end;) {
         NestedBox nested = tableBoxes[n];
         box.lo = nested.lo;
         box.hi = nested.hi;
         bool before = mayBeBefore(box);
-        if (before && nested.next == n + 1u) return true;
+        if (++boxes == kMostBoxes || before && nested.next == n + 1u) return true;
         n = before ? n + 1u : nested.next;
     }
     return false;

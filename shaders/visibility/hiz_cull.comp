@@ -41,7 +41,8 @@ void main() {
 #endif
     TableItem item = tableItems[place];
 #ifdef SECOND
-    bool seen = before ? mayBeBefore(boxOf(item)) : mayBeBefore(item);  // a second look where it is likely to spare a draw
+    // A closer look at what may stay hidden, from the sun: it spares a tenth of city-vienna's frame. From the eye it costs what it spares.
+    bool seen = before || SIGN < 0.0 ? mayBeBefore(boxOf(item)) : mayBeBefore(item);
     histories[place].itemVisible = seen ? uint(uFrame) : 0u;
     seen = seen && !before;  // or else the first phase has drawn it
 #else

@@ -2,6 +2,7 @@
 
 #include "gpuscene/nested_boxes.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -57,7 +58,7 @@ ItemTable::ItemTable(const Items& items, bool castersOnly)
     commandCount_ = commands.size();
     boxes_ = gl::Buffer::of<NestedBox>(boxes);
     commands_ = gl::Buffer::of<IndirectCommand>(commands);
-    listGroups_ = gl::Program::compute("visibility/list_groups.comp");
+    listGroups_ = gl::Program::compute("visibility/list_groups.comp", {fmt::format("MOST_WORK_GROUPS {}u", kMostGroups)});
     upload();
 }
 
@@ -73,12 +74,15 @@ void ItemTable::upload() {
     table_.update(table.size() * sizeof(TableItem), table.data());
 }
 
-void ItemTable::pick(const std::function<bool(const base::Box&)>& keep, Groups& groups) const {
+void ItemTable::pick(const std::function<bool(const base::Box&)>& keep, const std::function<double(const base::Box&)>& distance, Groups& groups) const {
     std::vector<TableGroup> picked;
     std::vector<uint32_t> nodes;
     hierarchy_.select(keep, kGroupItems, nodes);
+    std::vector<std::pair<double, uint32_t>> near;
+    for (const uint32_t n : nodes) near.emplace_back(distance(hierarchy_.nodes()[n].box), n);
+    std::sort(near.begin(), near.end());
     groups.parts.clear();
-    for (const uint32_t n : nodes) {
+    for (const auto& [key, n] : near) {
         const Hierarchy::Node& node = hierarchy_.nodes()[n];
         for (uint32_t first = 0; first < node.itemCount; first += kGroupItems)  // leaves of many small items hold several
             picked.push_back({node.box.lo, node.firstItem + first, node.box.hi, std::min(node.itemCount - first, kGroupItems)});

@@ -25,8 +25,9 @@ public:
         size_t count = 0;
         gl::Buffer buffer;
     };
-    /// The groups whose boxes (metres from Scene::origin) `keep` accepts; it must reject whatever lies within a box that it rejects.
-    void pick(const std::function<bool(const base::Box&)>& keep, Groups& groups) const;
+    /// The groups whose boxes (metres from Scene::origin) `keep` accepts, by `distance`, the nearest first: they are drawn in that
+    /// order. `keep` must reject whatever lies within a box that it rejects.
+    void pick(const std::function<bool(const base::Box&)>& keep, const std::function<double(const base::Box&)>& distance, Groups& groups) const;
     /// Makes `list` one of those items of the groups that `item` adds to it, from the groups that `group` has found worth a look
     /// (null: from all). Sets their uEye (metres from Scene::origin), uGroups and storage buffers 0 to 5 and 7; everything else is
     /// the caller's.

@@ -13,4 +13,8 @@ void ListCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
     submit(list_);
 }
 
+void pickGroups(const gpuscene::ItemTable& table, const CullView& view, gpuscene::ItemTable::Groups& groups) {
+    table.pick([&](const base::Box& box) { return view.mayContain(view.relative(box)); }, [&](const base::Box& box) { return view.key(view.relative(box)); }, groups);
+}
+
 }  // namespace dapple::visibility

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gpuscene/items.h"
+#include "gpuscene/item_table.h"
 #include "visibility/occlusion_culler.h"
 
 /// What a view, the camera's or the sun's, need not draw.
@@ -44,5 +44,8 @@ private:
     std::function<bool(uint32_t)> keep_;
     gpuscene::DrawList list_;
 };
+
+/// For culling on the GPU: the groups that are not outside a plane of the view, the nearest first.
+void pickGroups(const gpuscene::ItemTable& table, const CullView& view, gpuscene::ItemTable::Groups& groups);
 
 }  // namespace dapple::visibility

@@ -44,7 +44,7 @@ void HizCulling::setUp(const gl::Program& program, const ViewFrame& frame) const
 }
 
 void HizCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
-    table_.pick([&](const base::Box& box) { return frame.view.mayContain(frame.view.relative(box)); }, groups_);
+    pickGroups(table_, frame.view, groups_);
     ++frame_;
     for (const gl::Program* program : {&first_, &secondGroups_, &second_}) setUp(*program, frame);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, histories_.name());

@@ -11,7 +11,7 @@ namespace {
 constexpr int kMostCells = 4096;
 /// From the level with so many on, all cells of a level are made from the next finer one; before, marks are cheaper.
 constexpr int kMostReduced = 1024;
-constexpr int kDepthBits = 20, kStamps = 1 << (32 - kDepthBits);  // lib/receiver_key.glsl
+constexpr int kStamps = 1 << (32 - ReceiverPyramid::kDepthBits);
 
 }  // namespace
 
@@ -58,7 +58,7 @@ void ReceiverPyramid::choose(const gpuscene::ItemTable& table, const gpuscene::I
 }
 
 void PyramidCulling::draw(const ViewFrame& frame, const gpuscene::Submit& submit) {
-    table_.pick([&](const base::Box& box) { return frame.view.mayContain(frame.view.relative(box)); }, groups_);
+    pickGroups(table_, frame.view, groups_);
     pyramid_.choose(table_, groups_, layer_, frame, list_);
     submit(list_);
 }

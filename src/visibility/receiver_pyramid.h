@@ -10,13 +10,15 @@ namespace dapple::visibility {
 /// Where the look-ups of the visible receivers fall in a shadow map, and how far from the sun the farthest of them lies: a
 /// pyramid of largest reference depths over a grid of the map's window, after the receiver masks of Mattausch et al. 2011
 /// ("Efficient Online Visibility for Shadow Maps") with depth beside the mask. A caster that begins, seen from the sun,
-/// behind all receivers of the cells that its box covers, or whose cells have none, cannot change a comparison.
+/// behind all receivers of the cells that its boxes cover, or whose cells have none, cannot change a comparison.
 ///
 /// Whoever resolves the map marks the cells, because he alone knows what his look-ups read: for each look-up the one cell in which
 /// its first texel lies, that with the least coordinates, in the finest levels. What it costs depends on the look-ups and not on
 /// the map's size: cells are not cleared but stamped with the frame.
 class ReceiverPyramid {
 public:
+    static constexpr int kDepthBits = 20;  ///< of a key, below the frame's stamp: lib/receiver_key.glsl
+
     /// `mapSize`: texels along a side; `layers`: maps that have a pyramid each; `beyond`: texels, along both axes, that a look-up
     /// reads after its first one. Throws base::Error(failed): no memory.
     ReceiverPyramid(int mapSize, int layers, int beyond);
@@ -29,7 +31,7 @@ public:
     const gl::Texture& texture() const { return pyramid_.texture(); }
     int cells() const { return pyramid_.width(); }  ///< along a side of level 0, a power of two, no more than the map has texels
     int markedLevels() const { return markedLevels_; }  ///< 1 to 3; reduce() makes the others
-    int stamp() const { return stamp_; }
+    int stamp() const { return stamp_; }                ///< of this frame
     /// Which cells of `layer` are marked: 1 or 0, rows from the top. Waits for the GPU.
     base::ImageF mask(int layer) const;
     /// Makes the coarser levels.

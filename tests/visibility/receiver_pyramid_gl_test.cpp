@@ -162,9 +162,9 @@ Outcome compare(const gpuscene::Items& items, const CullView& view, const Receiv
     pyramid.clear();
     const int side = pyramid.cells();
     const std::vector<float> cells = receivers.cells(side);
-    const auto stamp = GLuint(pyramid.stamp()) << 20;
+    const auto stamp = GLuint(pyramid.stamp()) << ReceiverPyramid::kDepthBits;
     std::vector<GLuint> keys(cells.size());
-    for (size_t i = 0; i < keys.size(); ++i) keys[i] = cells[i] < 0 ? stamp - 1 : stamp | GLuint(std::ceil(cells[i] * 1048575));  // −1: the last frame's farthest
+    for (size_t i = 0; i < keys.size(); ++i) keys[i] = cells[i] < 0 ? stamp - 1 : stamp | GLuint(std::ceil(cells[i] * ((1 << ReceiverPyramid::kDepthBits) - 1)));  // −1: the last frame's farthest
     for (int level = 0; level < pyramid.markedLevels(); ++level) {
         const int n = side >> level;
         if (level > 0) {
@@ -250,7 +250,7 @@ TEST_F(ReceiverPyramidTest, ForgetsAllForGood) {
     pyramid.clear();
     EXPECT_EQ(marked(), 0);
     const int first = pyramid.stamp();
-    const GLuint key = GLuint(first) << 20 | 77;
+    const GLuint key = GLuint(first) << ReceiverPyramid::kDepthBits | 77;
     glTextureSubImage3D(pyramid.texture().name(), 0, 5, 9, 0, 1, 1, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, &key);
     EXPECT_EQ(marked(), 1);
     for (pyramid.clear(); pyramid.stamp() != first; pyramid.clear()) ASSERT_LT(pyramid.stamp(), 4096);
