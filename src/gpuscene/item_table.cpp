@@ -11,8 +11,8 @@
 namespace dapple::gpuscene {
 namespace {
 
-/// What GL grants a dispatch along one axis.
-constexpr size_t kMostGroups = 65535;
+/// Of a dispatch along one axis: GL grants 65,535.
+constexpr size_t kMostGroups = 32768;
 
 struct TableItem {
     glm::vec3 translation;  ///< metres from Scene::origin
@@ -58,7 +58,7 @@ ItemTable::ItemTable(const Items& items, bool castersOnly)
     commandCount_ = commands.size();
     boxes_ = gl::Buffer::of<NestedBox>(boxes);
     commands_ = gl::Buffer::of<IndirectCommand>(commands);
-    listGroups_ = gl::Program::compute("visibility/list_groups.comp", {fmt::format("MOST_WORK_GROUPS {}u", kMostGroups)});
+    listGroups_ = gl::Program::compute("visibility/list_groups.comp", {fmt::format("MOST_GROUPS {}u", kMostGroups)});
     upload();
 }
 
@@ -127,8 +127,11 @@ void ItemTable::choose(const gl::Program* group, const gl::Program& item, const 
         listGroups_.set("uGroups", int(groups.count));
         listGroups_.use();
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, listed_.name());
-        glDispatchCompute(1, 1, 1);
-        glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        for (size_t first = 0; first < groups.count; first += kMostGroups) {
+            listGroups_.set("uFirst", int(first));
+            glDispatchCompute(1, 1, 1);
+            glMemoryBarrier(GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+        }
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, groups.buffer.name());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, listed_.name());
         use(item);

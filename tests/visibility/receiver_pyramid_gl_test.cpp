@@ -243,6 +243,26 @@ TEST_F(ReceiverPyramidTest, KeepsWhatAPixelNeedsAndLittleElse) {
     EXPECT_LT(sum.loose * 100, sum.kept);
 }
 
+// More groups than llvmpipe lets a loop go round.
+TEST_F(ReceiverPyramidTest, ManyGroupsAreAllLookedAt) {
+    scenegen::Scene scene;
+    scene.materials.resize(1);
+    scene.views.emplace_back();
+    scene.prototypes.emplace_back().meshes.push_back(scenegen::boxMesh(glm::vec3(1.5f)));
+    constexpr uint32_t kSide = 1950;
+    for (uint32_t i = 0; i < kSide * kSide; ++i) scene.instances.push_back({{float(i % kSide) - kSide / 2.0f, float(i / kSide) - kSide / 2.0f, 0}, 1, 0, 0});
+    const gpuscene::GpuScene gpu(scene);
+    ReceiverPyramid pyramid(2048, 1, 0);
+    pyramid.clear();
+    const GLuint key = GLuint(pyramid.stamp() + 1) << ReceiverPyramid::kDepthBits | 1;  // before none of them: all are needed
+    for (int level = 0; level < pyramid.markedLevels(); ++level) glClearTexImage(pyramid.texture().name(), level, GL_RED_INTEGER, GL_UNSIGNED_INT, &key);
+    pyramid.clear();
+    pyramid.reduce();
+    PyramidCulling culling(gpu.items(), pyramid, 0);
+    culling.draw({.view = CullView::sun({0, 0, 0}, sunMatrix({0, 0, -1}, 1.2 * kSide / 2, 1, 2), {0, 0, -1}), .leastW = 0.05}, [](const gpuscene::DrawList&) {});
+    EXPECT_EQ(culling.drawn().size(), kSide * kSide);
+}
+
 // Stamps come round; what was marked with one long ago is not there when it comes back.
 TEST_F(ReceiverPyramidTest, ForgetsAllForGood) {
     ReceiverPyramid pyramid(2048, 1, 0);
