@@ -5,8 +5,7 @@
 namespace dapple::gpuscene {
 namespace {
 
-/// Maps of 4096² over city-manhattan draw 1.48 times the casters that they need with a box about every triangle, 1.51 with 256 such boxes,
-/// of up to 100,000 triangles each, and 1.86 with one.
+/// LiSPSM maps of 4096² over city-manhattan at scale 4 draw 1.50 times the casters that they need, and 1.86 times with one box a caster.
 constexpr size_t kLeafTriangles = 2, kMostLeaves = 1024;
 
 }  // namespace
