@@ -45,7 +45,7 @@ std::vector<Part> clusters(const scenegen::Prototype& prototype, const GpuProtot
     for (uint32_t n = 0; n < hierarchy.nodes().size(); ++n) {
         const Hierarchy::Node& node = hierarchy.nodes()[n];
         if (!node.leaf()) continue;
-        Part part{index, node.box, gpu.castsShadow, node.triangles, {}, false};
+        Part part{index, node.box, gpu.castsShadow, node.triangles, {}};
         std::vector<Unit> own;
         for (const uint32_t unit : hierarchy.items(n)) own.push_back(units[unit]);
         std::sort(own.begin(), own.end());  // neighbours share vertices

@@ -48,8 +48,7 @@ struct Part {
     base::Box box;  ///< prototype space
     bool castsShadow = true;
     size_t triangles = 0;
-    std::vector<GpuMesh> meshes{};
-    bool whole = true;  ///< not a cluster
+    std::vector<GpuMesh> meshes;
 };
 
 /// Items to draw, grouped by part, with their buffer on the GPU; `ranges` index `data`. Where a compute shader has chosen

@@ -49,11 +49,11 @@ TEST(NestedBoxes, HoldEveryTriangleEverMoreTightly) {
                 mesh.positions.push_back(at + corner);
             }
         }
-        Part part{uint32_t(scene.prototypes.size() - 1), prototype.box()};
+        Part part{uint32_t(scene.prototypes.size() - 1), prototype.box(), true, count, {}};
         const size_t innermost = check(nestedBoxes(scene, part), prototype);
         EXPECT_GE(innermost, std::min(count, size_t(3000)) / 2);
         EXPECT_LE(innermost, std::min(count, size_t(5000)));
-        part.whole = false;
+        --part.triangles;
         EXPECT_EQ(nestedBoxes(scene, part).size(), 1u) << "a cluster is a box";
     }
 }
@@ -68,7 +68,7 @@ TEST(NestedBoxes, LeaveOutACourt) {
             for (glm::vec3& p : wall.positions) p += along ? glm::vec3(0, 20 * side, 0) : glm::vec3(20 * side, 0, 0);
             court.meshes.push_back(wall);
         }
-    const std::vector<NestedBox> boxes = nestedBoxes(scene, {0, court.box()});
+    const std::vector<NestedBox> boxes = nestedBoxes(scene, {0, court.box(), true, court.triangles(), {}});
     EXPECT_EQ(boxes.size(), 2 * check(boxes, court) - 1);
     for (uint32_t n = 0; n < boxes.size(); ++n)
         if (boxes[n].next == n + 1) { EXPECT_FALSE(holds(boxes[n], {0, 0, 5})); }
@@ -77,7 +77,7 @@ TEST(NestedBoxes, LeaveOutACourt) {
 TEST(NestedBoxes, OfNoTriangleAreTheBoxOfThePart) {
     scenegen::Scene scene;
     scene.prototypes.emplace_back();
-    const std::vector<NestedBox> boxes = nestedBoxes(scene, {0, base::Box{{1, 2, 3}, {4, 5, 6}}});
+    const std::vector<NestedBox> boxes = nestedBoxes(scene, {0, base::Box{{1, 2, 3}, {4, 5, 6}}, true, 0, {}});
     ASSERT_EQ(boxes.size(), 1u);
     EXPECT_EQ(boxes[0].next, 1u);
     EXPECT_EQ(boxes[0].hi, glm::vec3(4, 5, 6));
