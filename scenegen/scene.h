@@ -14,13 +14,20 @@
 /// Space. World is right-handed, metres, z up. World point of a prototype's vertex p under an instance:
 ///     scene.origin + instance.translation + scale · Rz(yaw) · p
 /// `origin` alone is double: moving a scene 1,000 km changes only it, so nothing else loses a bit.
-/// Texture coordinates: (0,0) is the first texel of the image's top row, v grows downwards; wrap = repeat.
+/// Texture coordinates: (0,0) is the first texel of the image's top row, v grows downwards.
 namespace dapple::scenegen {
+
+/// What a texture shows beyond [0, 1]: glTF's and GL's REPEAT, CLAMP_TO_EDGE and MIRRORED_REPEAT.
+enum class Wrap { repeat, clamp, mirror };
 
 struct Texture {
     std::string name;
     base::Image8 image;  ///< RGBA, sRGB colour, linear alpha
+    Wrap wrapU = Wrap::repeat, wrapV = Wrap::repeat;
 };
+
+/// Camera, maps and reference use the same cut-off: a difference would be booked as aliasing.
+inline constexpr float kAlphaCutoff = 0.5f;
 
 struct Material {
     std::string name;
@@ -28,12 +35,10 @@ struct Material {
     float specular = 0.0f;       ///< strength of the highlight, 0…1
     float shininess = 16.0f;     ///< Blinn-Phong exponent
     int texture = -1;            ///< index into Scene::textures; -1 = none
-    bool alphaTested = false;    ///< fragments with texture alpha < kAlphaCutoff do not exist
+    bool alphaTested = false;    ///< fragments whose texture's alpha is below alphaCutoff do not exist
+    float alphaCutoff = kAlphaCutoff;  ///< (0, 1]; a file's cut-off divided by its opacity factor
     bool doubleSided = true;     ///< false: back faces are never seen, the mesh is closed
 };
-/// One threshold for camera, maps and reference alike: a difference would be booked as aliasing.
-inline constexpr float kAlphaCutoff = 0.5f;
-
 /// Triangles of one material, in the prototype's space. positions, normals and uvs are parallel.
 struct Mesh {
     std::vector<glm::vec3> positions;  ///< metres
@@ -157,6 +162,7 @@ struct Scene {
     std::vector<Motion> motions;  ///< of moving instances; their poses are those of `time`
     double time = 0;              ///< seconds, of the last moveTo(); not part of the content, which has the poses
     std::vector<std::string> dropped;  ///< what dropBadInstances() has removed and why; not part of the content
+    std::vector<std::string> notes;    ///< what its file asks for and this scene does not do, a sentence each; not part of the content
 
     /// Sets the translations and yaws of the moving instances to those at a time. What the wind bends is not touched: shapes are
     /// those of the recipe's time.

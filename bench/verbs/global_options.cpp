@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "bench/verbs/verbs.h"
+#include "scenegen/import/file_access.h"
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,7 @@ void addGlobalOptions(CLI::App& app) {
     app.add_option("--backend", "timer: gpu_timestamp, gpu_elapsed, cpu_finish, or fake (no GL, invented times, for tests of the tool)")
         ->expected(1)
         ->type_name("NAME");
+    app.add_flag_callback("--allow-outside", [] { scenegen::allowOutside(true); }, "let scene files read what lies outside their folders");
 }
 
 GlobalOptions globalOptions(const CLI::App& app) {

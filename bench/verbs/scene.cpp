@@ -26,6 +26,7 @@ void printStats(const scenegen::Scene& scene, double seconds) {
     line("triangles", fmt::format("{} in all, {} stored", f.triangles, f.uniqueTriangles));
     line("instances", fmt::format("{} of {} prototypes", f.instances, f.prototypes));
     for (const std::string& dropped : scene.dropped) line("left out", dropped);
+    for (const std::string& note : scene.notes) line("not as the file", note);
     line("materials", fmt::format("{}, {} textures", f.materials, scene.textures.size()));
     if (!f.box.empty())
         line("bounds [m]", fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", f.box.lo.x, f.box.lo.y, f.box.lo.z, f.box.hi.x, f.box.hi.y, f.box.hi.z));

@@ -1,5 +1,4 @@
 #include "base/error.h"
-#include "base/log.h"
 #include "scenegen/import/file_scene.h"
 
 #include <assimp/material.h>
@@ -185,10 +184,7 @@ FileMaterials readFileMaterials(const aiScene& scene, const fs::path& file, cons
         result.ofAssimp.push_back(add(m));
         result.uvChannel.push_back(uvChannel);
     }
-    if (!store.missing.empty()) {
-        base::logWarning(fmt::format("{}: {} textures cannot be found or read and become flat colours (first: '{}')",
-                                     file.string(), store.missing.size(), *store.missing.begin()));
-    }
+    for (const std::string& name : store.missing) result.notes.add("textures cannot be found or read and become flat colours", name);
     result.textures = std::move(store.textures);
     return result;
 }

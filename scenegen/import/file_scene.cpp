@@ -48,6 +48,7 @@ public:
         const FileMaterials materials = readFileMaterials(scene, file_, sidecar_);
         result_.textures = materials.textures;
         result_.materials = materials.materials;
+        result_.notes = materials.notes;
         for (unsigned i = 0; i < scene.mNumMeshes; ++i) addMesh(convert(*scene.mMeshes[i], materials));
         visit(*scene.mRootNode, glm::dmat4(1), true);
         for (const Sidecar::Copy& copy : sidecar_.copies)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "scenegen/import/notes.h"
 #include "scenegen/import/sidecar.h"
 #include "scenegen/scene.h"
 
@@ -23,6 +24,7 @@ struct FileScene {
     std::vector<Mesh> meshes;  ///< may hold degenerate triangles
     std::vector<Object> objects;
     std::vector<View> views;  ///< the file's cameras, eye in its world; far = 0: to be chosen
+    Notes notes;              ///< what the file asks for and the reader does not do
     std::optional<Sun> sun;   ///< the file's first directional light that shines downwards
 };
 
@@ -39,6 +41,7 @@ struct FileMaterials {
     std::vector<uint32_t> ofAssimp;      ///< index into materials, per Assimp material
     std::vector<uint32_t> flatOfAssimp;  ///< the same without texture, for meshes without coordinates
     std::vector<unsigned> uvChannel;     ///< texture coordinate set, per Assimp material
+    Notes notes;
 };
 FileMaterials readFileMaterials(const aiScene& scene, const std::filesystem::path& file, const Sidecar& sidecar);
 

@@ -27,7 +27,7 @@ Scene importFile(const std::filesystem::path& file) {
     scene.name = file.stem().string();
     scene.source = file.string();
     const CutCounts counts = cutIntoPrototypes(content, sidecar.cell, scene);
-    if (counts.degenerate > 0) base::logWarning(fmt::format("{}: {} degenerate triangles dropped", file.string(), counts.degenerate));
+    if (counts.degenerate > 0) content.notes.add("degenerate triangles are dropped", "", counts.degenerate);
     const Facts facts = scene.facts();
     if (facts.triangles == 0) throw base::UsageError(file.string() + ": has no triangle");
     if (!base::allFinite(facts.box.lo) || !base::allFinite(facts.box.hi))
@@ -40,6 +40,8 @@ Scene importFile(const std::filesystem::path& file) {
         scene.views.push_back(std::move(view));
     }
     if (scene.views.empty()) scene.views = chooseViews(scene);
+    scene.notes = content.notes.lines();
+    for (const std::string& note : scene.notes) base::logWarning(fmt::format("{}: {}", file.string(), note));
     validate(scene);
     return scene;
 }
