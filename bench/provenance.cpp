@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "bench/manifest.h"
 #include "bench/process.h"
 
 #include <algorithm>
@@ -39,6 +40,21 @@ nlohmann::ordered_json buildJson() {
 #endif
     json["compiler"] = __VERSION__;
     return json;
+}
+
+std::string originOf(const std::string& identity) {
+    static const std::string program = sha256OfFile("/proc/self/exe").substr(0, 16);
+    const auto machine = nlohmann::json::parse(identity);
+    nlohmann::ordered_json origin{{"program", program}, {"shaders", shadersHash()}};
+    for (const char* key : {"driver_class", "gl_renderer", "gl_version"})
+        if (machine.contains(key)) origin[key] = machine[key];
+    std::istringstream cpus(base::readFile("/proc/cpuinfo"));
+    for (std::string line; std::getline(cpus, line);)
+        if (line.starts_with("model name")) {
+            origin["cpu"] = line.substr(line.find(':') + 2);
+            break;
+        }
+    return origin.dump();
 }
 
 std::string shadersHash() {

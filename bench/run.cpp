@@ -23,7 +23,7 @@ class Runner {
 public:
     Runner(const Plan& plan, Workbench& workbench, const RunOptions& options)
         : plan_(plan), workbench_(workbench), options_(options), comparisons_(plan.comparisons()),
-          folder_(options.folder, plan.sweepName, base::hex16(plan.hash()), workbench.backend(), options.resume),
+          folder_(options, {plan.sweepName, base::hex16(plan.hash()), workbench.backend(), originOf(workbench.identityJson())}, comparisonOf()),
           progress_("run (%)", 100) {
         for (const Comparison& c : comparisons_) pointCount_ += c.points.size();
         if (pointCount_ < plan.points.size())
@@ -44,11 +44,18 @@ public:
                                             [&](const Comparison& c) { return specOf(c, 0).scene == scene; });
             if (!needed) workbench_.releaseScene(scene);
         }
-        folder_.finish(runJson());
+        folder_.finish(plan_.csv(), runJson());
         return outcome();
     }
 
 private:
+    std::map<std::string, size_t> comparisonOf() const {
+        std::map<std::string, size_t> result;
+        for (size_t i = 0; i < comparisons_.size(); ++i)
+            for (const size_t point : comparisons_[i].points) result[plan_.points[point].id] = i;
+        return result;
+    }
+
     const PointSpec& specOf(const Comparison& comparison, size_t i) const { return plan_.points[comparison.points[i]].spec; }
 
     void measure(size_t index) {
@@ -140,6 +147,7 @@ private:
         json["end"] = utcNow();
         json["processes"] = folder_.process() + 1;
         json["backend"] = workbench_.backend();
+        for (const std::string& origin : folder_.origins()) json["origins"].push_back(nlohmann::ordered_json::parse(origin));
         json["build"] = buildJson();
         json["machine"] = nlohmann::ordered_json::parse(workbench_.identityJson());
         if (!plan_.plot.x.empty()) json["plot"] = {{"x", plan_.plot.x}, {"y", plan_.plot.y}, {"columns", plan_.plot.columns}};

@@ -7,8 +7,10 @@
 namespace dapple::bench {
 
 struct RunOptions {
-    std::string folder;
+    std::string folder = {};
     bool resume = false;
+    bool mix = false;          ///< resume although the program or the machine is another; every row says so
+    bool retryFailed = false;  ///< resume, and measure the comparisons again that hold failed or invalid rows
 };
 
 struct RunOutcome {

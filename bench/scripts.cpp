@@ -17,7 +17,10 @@ void runScript(const std::vector<std::string>& args, const std::string& what) {
     if (!fs::exists(args[1])) throw base::UsageError(fmt::format("{} is not part of this installation: use the source tree", args[1]));
     const int status = runProgram(args);
     if (status == 127) throw base::UsageError(fmt::format("cannot start {}; install it to {}", args[0], what));
-    if (status != 0) throw base::Error(static_cast<base::ExitCode>(status), fmt::format("could not {}: see the line above", what));
+    // A script answers 2 or 4, with its line; whatever else it ends with (a signal, a trace) is no code of ours.
+    if (status != 0)
+        throw base::Error(status == static_cast<int>(base::ExitCode::corrupt) ? base::ExitCode::corrupt : base::ExitCode::usage,
+                          status > 128 ? fmt::format("could not {}: signal {} ended {}", what, status - 128, args[1]) : fmt::format("could not {}: see the line above", what));
 }
 
 }  // namespace

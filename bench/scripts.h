@@ -6,7 +6,7 @@
 namespace dapple::bench {
 
 /// Draws the figures of the run in `folder` with bench/report/plot.py. Throws UsageError if the folder holds
-/// no run; Error with the script's exit code if it fails, which has then said why.
+/// no run; Error (exit 2 or 4) if the script fails, which has then said why.
 void plotRun(const std::string& folder);
 
 /// Downloads those of `scenes` that are real scenes and not in the cache, each with its script. Throws as plotRun().

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "bench/best_points.h"
+#include "bench/manifest.h"
 #include "bench/pictures.h"
 #include "bench/scripts.h"
 
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 namespace dapple::bench {
 namespace fs = std::filesystem;
@@ -26,7 +28,8 @@ const PlannedPoint* planned(const Plan& plan, const std::string& id) {
 
 }  // namespace
 
-void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, Workbench& workbench, const RunOutcome& outcome) {
+void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, Workbench& workbench, const RunOutcome& outcome, bool plot) {
+    verifyManifest(folder);
     const std::vector<MeasuredPoint> measured = measuredPoints(fs::path(folder) / "metrics.csv");
     std::vector<PointSpec> pictured;
     std::string tables;
@@ -49,13 +52,16 @@ void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, 
     const bool drawn = !pictured.empty() && !renderPictures(pictures.string(), workbench, pictured).empty();
     fmt::print("{}\n\n{}/metrics.csv\n{}", sweep.question, folder, drawn ? pictures.string() + "\n" : "");
     std::fflush(stdout);  // the script prints the names of the plots and the table behind it
+    std::optional<base::Error> noPlot;
     try {
-        plotRun(folder);
+        if (plot) plotRun(folder);
     } catch (const base::Error& error) {
-        base::logWarning(fmt::format("no plot: {}; draw it elsewhere with: dapple plot {}", error.what(), folder));
+        noPlot = error;
     }
     fmt::print("{}", tables);
+    if (noPlot) base::logWarning(fmt::format("{}; the measurements are safe, draw the plot with: dapple plot {}", noPlot->what(), folder));
     requireClean(outcome, folder);
+    if (noPlot) throw base::Error(noPlot->code(), fmt::format("measured, but {}", noPlot->what()));
 }
 
 void removeSummary(const std::string& folder) {

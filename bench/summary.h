@@ -8,9 +8,8 @@
 namespace dapple::bench {
 
 /// Ends a run: draws the plots and, per scene, pictures of the best points; prints where they are and a table of
-/// those points. A plot that cannot be drawn (no Python on a node) is a warning: the measurements are safe.
-/// Throws as requireClean().
-void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, Workbench& workbench, const RunOutcome& outcome);
+/// those points. Throws as requireClean(), and Error (exit 2 or 4) if the plot cannot be drawn; all else is done by then.
+void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, Workbench& workbench, const RunOutcome& outcome, bool plot = true);
 
 /// Removes what summarise() wrote.
 void removeSummary(const std::string& folder);

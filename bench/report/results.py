@@ -1,5 +1,7 @@
 """Reads the files of a run (plan.csv, metrics.csv, run.json) into one table with a row per point."""
+import hashlib
 import json
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,6 +48,24 @@ def readTable(path, required):
     if lost:
         raise ReportError(4, f"{path} is damaged: it has no column {', '.join(lost)}")
     return table.fillna("")  # a line cut short leaves holes
+
+
+def verifyManifest(folder):
+    """The files are what the run wrote, or exit code 4. A warning where nothing tells."""
+    path = folder / "manifest.json"
+    if not path.is_file():
+        return f"dapple: {folder} has no manifest.json: its files are read unchecked"
+    try:
+        files = {name: entry["sha256"] for name, entry in json.loads(path.read_text(encoding="utf-8"))["files"].items()}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ReportError(4, f"{path} is damaged: {error!r}")
+    for name in ("plan.csv", "metrics.csv", "samples.csv", "run.json"):
+        file = folder / name
+        if not file.is_file():
+            raise ReportError(4, f"{file} is missing; run the sweep again")
+        if hashlib.sha256(file.read_bytes()).hexdigest() != files.get(name):
+            raise ReportError(4, f"{file} is not what the run wrote: its SHA-256 differs from that in {path.name}; run the sweep again")
+    return ""
 
 
 def requireSchema(path, schema):
@@ -124,6 +144,7 @@ def readRun(folder):
     folder = Path(folder)
     if not folder.is_dir():
         raise ReportError(2, f"{folder} is not a folder; name the folder of a run")
+    unchecked = verifyManifest(folder)
     planPath, metricsPath, infoPath = (folder / name for name in ("plan.csv", "metrics.csv", "run.json"))
     plan = readTable(planPath, PLAN_COLUMNS)
     metrics = readTable(metricsPath, METRIC_COLUMNS)
@@ -173,6 +194,8 @@ def readRun(folder):
     points["varies"] = describeSettings(points, axes)
     dropped = metrics[metrics.metric == "left_out"].merge(plan[["point_id", "technique"]], on="point_id", suffixes=("_", ""))
     leftOut = [(*key, list(dict.fromkeys(rows.technique))) for key, rows in dropped.groupby(["pass", "flags"], sort=False)]
+    if unchecked:
+        print(unchecked, file=sys.stderr)
     return Run(points, axes, describeMachine(info, sorted(set(times["backend"]) - {""})),
                bool((plan.stress != "").any()), plot, info.get("motion", {}), leftOut)
 

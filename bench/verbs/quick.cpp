@@ -12,6 +12,7 @@ void quick(const CLI::App& app, const std::string& folder) {
     RunFolder::check(folder, true);
     const auto workbench = makeWorkbench(app);
     const Plan plan = makePlan(sweep, *workbench);
+    const auto lock = FolderLock::hold(folder);  // until the plots are drawn
     RunFolder::removeRun(folder, kSweep);  // refuses a folder that holds anything else
     removeSummary(folder);
     summarise(folder, sweep, plan, *workbench, runPlan(plan, *workbench, {.folder = folder, .resume = false}));

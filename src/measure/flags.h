@@ -20,6 +20,7 @@ inline constexpr std::string_view kOom = "oom";
 inline constexpr std::string_view kGlError = "gl_error";
 inline constexpr std::string_view kTimerGtWall = "timer_gt_wall";
 inline constexpr std::string_view kPassesGtFrame = "passes_gt_frame";
+inline constexpr std::string_view kMixed = "mixed";
 inline constexpr std::string_view kOutlier = "outlier";
 inline constexpr std::string_view kFarOutlier = "far_outlier";
 }  // namespace flag
@@ -41,6 +42,7 @@ inline constexpr std::array kFlags{
     FlagInfo{flag::kGlError, true, "GL raised an error during the frame"},
     FlagInfo{flag::kTimerGtWall, false, "the timer reports more time than passed on the wall clock"},
     FlagInfo{flag::kPassesGtFrame, false, "the passes, timed one by one, sum to more than the whole frame"},
+    FlagInfo{flag::kMixed, false, "the run was resumed with another program or on another machine (--mix)"},
     FlagInfo{flag::kOutlier, false, "beyond 1.5 interquartile ranges from the quartiles (Tukey 1977)"},
     FlagInfo{flag::kFarOutlier, false, "beyond 3 interquartile ranges from the quartiles (Tukey 1977)"},
 };

@@ -1,7 +1,7 @@
 #include "bench/run.h"
 #include "bench/run_folder.h"
 
-#include "bench/fixture.h"
+#include "bench/killed_run.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -12,31 +12,6 @@
 namespace dapple::bench {
 namespace {
 namespace fs = std::filesystem;
-
-constexpr int kKilled = 9;
-
-Sweep threeScenes() {
-    Sweep sweep = smallSweep();
-    sweep.scenes = {"a", "b", "c"};
-    return sweep;
-}
-
-/// Runs in a child process that dies without a chance to tidy up when `frames` frames were submitted. True if it died.
-bool runAndDieAfter(const std::string& out, long frames, bool resume) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-        TestWorkbench bench;
-        long left = frames;
-        bench.onFrame = [&](const PointSpec&) {
-            if (left-- <= 0) ::_exit(kKilled);
-        };
-        runPlan(makePlan(threeScenes(), bench), bench, {.folder = out, .resume = resume});
-        ::_exit(0);
-    }
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    return WIFEXITED(status) && WEXITSTATUS(status) == kKilled;
-}
 
 class Resume : public testing::Test {
 protected:

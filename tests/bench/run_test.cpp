@@ -32,7 +32,7 @@ TEST(Run, WritesExactlyTheSchemasColumnsAndFiles) {
     EXPECT_EQ(header("samples.csv"), "run_id,point_id,process,block,order,arm,frame,pass,metric,value,flags");
     std::set<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(run.out())) names.insert(entry.path().filename());
-    EXPECT_EQ(names, (std::set<std::string>{"plan.csv", "metrics.csv", "samples.csv", "run.json"}));
+    EXPECT_EQ(names, (std::set<std::string>{"plan.csv", "metrics.csv", "samples.csv", "run.json", "manifest.json"}));
     EXPECT_EQ(run.file("plan.csv"), run.plan.csv());
     const auto json = nlohmann::json::parse(run.file("run.json"));
     for (const char* key : {"schema", "argv", "build", "machine", "seeds", "hashes", "start", "end", "run_id", "plan_hash", "backend"})
