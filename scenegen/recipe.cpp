@@ -59,6 +59,7 @@ public:
 
     Scene read() {
         t_.text("description");
+        const std::string opens = t_.has("opens") ? t_.text("opens") : "";
         seed_ = uint64_t(t_.integer("seed", 1, 0, int64_t{1} << 53));
         if (t_.has("origin")) scene_.origin = vec3(t_, "origin");
         area_ = t_.number("scale", 1, 1e-4, 1e4);
@@ -85,6 +86,7 @@ public:
         for (Prototype& prototype : scene_.prototypes)
             for (Mesh& mesh : prototype.meshes) snapToGrid(mesh);
         if (scene_.views.empty()) t_.fail("view", "a scene needs at least one [[view]], a [path], a [city] or a [courtyard]");
+        if (!opens.empty()) openWith(opens);
         if (radius_ > 0) keepAbout(scene_.views.front().eye);
         return std::move(scene_);
     }
@@ -93,6 +95,13 @@ private:
     static glm::dvec3 vec3(base::ConfigTable& t, const char* key) {
         const std::vector<double> v = t.numbers(key, 3);
         return {v[0], v[1], v[2]};
+    }
+
+    /// The view that is used where none is named comes first.
+    void openWith(const std::string& name) {
+        const auto view = std::ranges::find(scene_.views, name, &View::name);
+        if (view == scene_.views.end()) t_.fail("opens", "names no view of this scene");
+        std::rotate(scene_.views.begin(), view, view + 1);
     }
 
     /// The same scene and views, with less of it around: what is left out begins farther from `eye` than the radius.

@@ -12,6 +12,7 @@ namespace dapple::scenegen {
 ///
 ///     description = "…"            # required: one line, for `list scenes`
 ///     seed = 1
+///     opens = "walk1"              # view that comes first, and so is used where none is named
 ///     origin = [0, 0, 0]           # metres, Scene::origin
 ///     trees = 105                  # over all species; required with [[species]]
 ///     spacing = 1.0                # crown radii that a tree keeps to its neighbours, where there is room

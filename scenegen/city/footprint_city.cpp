@@ -6,6 +6,7 @@
 #include "scenegen/city/house.h"
 #include "scenegen/city/solid.h"
 #include "scenegen/city/triangulate.h"
+#include "scenegen/views/pick_views.h"
 
 #include <fmt/format.h>
 
@@ -48,8 +49,7 @@ double sight(const std::vector<const Footprint*>& near, const glm::dvec2& p, con
 /// By (x, y) in cells.
 using Cells = std::map<std::pair<int, int>, std::vector<const Footprint*>>;
 
-/// Of many spots in the open those among the most and the highest buildings, looking where one sees farthest; and
-/// `above`, from the south-west over the middle of all built volume.
+/// The best of many spots in the open, looking where one sees farthest; and `above`, from the south-west over the middle of all built volume.
 void addViews(Scene& scene, const Cells& cells, const glm::dvec2& half, int views, double fovY, uint64_t seed) {
     glm::dvec3 middle(0);
     double mass = 0;
@@ -60,7 +60,7 @@ void addViews(Scene& scene, const Cells& cells, const glm::dvec2& half, int view
         }
     middle /= mass;
     const double reach = std::min(1200.0, std::max(half.x, half.y));
-    std::vector<std::pair<double, View>> spots;
+    std::vector<View> spots;
     for (uint64_t i = 0; i < 200; ++i) {
         const base::Random random(seed, i, kViewPurpose);
         const glm::dvec2 p = glm::dvec2(middle) + 1.6 * reach * glm::dvec2(random.uniform(0) - 0.5, random.uniform(1) - 0.5);
@@ -69,11 +69,7 @@ void addViews(Scene& scene, const Cells& cells, const glm::dvec2& half, int view
             for (int x = -1; x <= 1; ++x)
                 if (const auto cell = cells.find({int(std::floor(p.x / kCell)) + x, int(std::floor(p.y / kCell)) + y}); cell != cells.end()) near.insert(near.end(), cell->second.begin(), cell->second.end());
         bool inside = false;
-        double built = 0;
-        for (const Footprint* f : near) {
-            inside = inside || contains(f->rings[0], p);
-            if (glm::distance(f->rings[0][0], p) < 120) built += f->height;
-        }
+        for (const Footprint* f : near) inside = inside || contains(f->rings[0], p);
         if (inside) continue;
         glm::dvec2 best(1, 0);
         double longest = 0, nearest = kCell;
@@ -85,12 +81,12 @@ void addViews(Scene& scene, const Cells& cells, const glm::dvec2& half, int view
         }
         if (nearest < 2.5) continue;
         View view{.name = "", .eye = {p, 1.7}, .forward = glm::normalize(glm::dvec3(best, 0.1)), .fovY = fovY, .near = 0.3, .far = std::max(400.0, reach)};
-        spots.emplace_back(built, view);
+        spots.push_back(view);
     }
-    std::stable_sort(spots.begin(), spots.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    for (int i = 0; i < std::min(views, int(spots.size())); ++i) {
-        spots[size_t(i)].second.name = fmt::format("walk{}", i);
-        scene.views.push_back(spots[size_t(i)].second);
+    std::vector<View> walk = pickViews(scene, spots, size_t(views));
+    for (size_t i = 0; i < walk.size(); ++i) {
+        walk[i].name = fmt::format("walk{}", i);
+        scene.views.push_back(std::move(walk[i]));
     }
     View above{.name = "above", .eye = middle + glm::dvec3(-0.75, -0.85, 0.55) * reach, .fovY = fovY, .near = 1, .far = 6 * reach};
     above.forward = glm::normalize(middle - above.eye);

@@ -1,9 +1,12 @@
 #include "scenegen/import/auto_views.h"
 
+#include "scenegen/views/pick_views.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 namespace dapple::scenegen {
 namespace {
@@ -12,9 +15,10 @@ constexpr double kEye = 1.7;       ///< metres above the ground
 constexpr int kMaxCells = 1024;    ///< per side of the height field
 constexpr int kHeadings = 16;
 constexpr size_t kGroundViews = 4;
+constexpr size_t kMostCandidates = 384;  ///< quick pictures taken
 constexpr float kNone = std::numeric_limits<float>::max();
 
-/// Calls f(a, b, c) with every triangle, metres from Scene::origin.
+/// Calls f(a, b, c, closed) with every triangle, metres from Scene::origin, and whether its mesh is closed and so has an outside.
 template <class F>
 void forEachTriangle(const Scene& scene, F f) {
     for (const Instance& instance : scene.instances) {
@@ -24,7 +28,8 @@ void forEachTriangle(const Scene& scene, F f) {
         };
         for (const Mesh& mesh : scene.prototypes[instance.prototype].meshes)
             for (size_t i = 0; i < mesh.indices.size(); i += 3)
-                f(place(mesh.positions[mesh.indices[i]]), place(mesh.positions[mesh.indices[i + 1]]), place(mesh.positions[mesh.indices[i + 2]]));
+                f(place(mesh.positions[mesh.indices[i]]), place(mesh.positions[mesh.indices[i + 1]]), place(mesh.positions[mesh.indices[i + 2]]),
+                  scene.prototypes[instance.prototype].closed);
     }
 }
 
@@ -38,7 +43,7 @@ public:
         ny_ = int(box_.size().y / cell_) + 1;
         ground_.assign(size_t(nx_) * size_t(ny_), kNone);
         top_.assign(ground_.size(), -kNone);
-        forEachTriangle(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) { add(a, b, c); });
+        forEachTriangle(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, bool closed) { add(a, b, c, closed); });
     }
 
     int nx() const { return nx_; }
@@ -54,9 +59,10 @@ public:
 private:
     size_t index(int x, int y) const { return size_t(y) * size_t(nx_) + size_t(x); }
 
-    void add(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    void add(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, bool closed) {
         const glm::vec3 n = glm::cross(b - a, c - a);
-        const bool flat = std::abs(n.z) > 0.7f * glm::length(n);  // either side up: foreign files are careless
+        // Either side up, for foreign files are careless; but a slab's underside is no ground.
+        const bool flat = (closed ? n.z : std::abs(n.z)) > 0.7f * glm::length(n);
         // Samples no farther apart than a cell, corners included: walls and poles leave no gap.
         const float longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
         const int steps = std::clamp(int(longest / cell_) + 1, 1, 4 * kMaxCells);
@@ -126,13 +132,13 @@ std::vector<Spot> rankedSpots(const HeightField& field) {
     for (int y = 2; y < field.ny() - 2; y += stride)
         for (int x = 2; x < field.nx() - 2; x += stride) {
             if (!isFree(field, x, y)) continue;
-            Spot best{x, y, 0, 0};
+            std::array<Spot, kHeadings> all;
             for (int h = 0; h < kHeadings; ++h) {
                 const double heading = 2 * glm::pi<double>() * h / kHeadings;
-                const double score = sight(field, x, y, heading);
-                if (score > best.score) best = {x, y, heading, score};
+                all[size_t(h)] = {x, y, heading, sight(field, x, y, heading)};
             }
-            if (best.score > 0) spots.push_back(best);
+            std::ranges::stable_sort(all, [](const Spot& a, const Spot& b) { return a.score > b.score; });
+            for (int h = 0; h < 3 && all[size_t(h)].score > 0; ++h) spots.push_back(all[size_t(h)]);
         }
     std::ranges::stable_sort(spots, [](const Spot& a, const Spot& b) { return a.score > b.score; });
     return spots;
@@ -147,6 +153,21 @@ View lookAt(std::string name, const glm::dvec3& eye, const glm::dvec3& target, c
     return view;
 }
 
+/// From the best spots of each part of the ground, along the three best headings of each, so that the pictures decide.
+std::vector<View> candidates(const HeightField& field, const std::vector<Spot>& spots, size_t most) {
+    constexpr int kParts = 8;  // a side
+    std::map<std::pair<int, int>, size_t> perPart;
+    std::vector<View> views;
+    for (const Spot& spot : spots) {
+        size_t& taken = perPart[{spot.x * kParts / field.nx(), spot.y * kParts / field.ny()}];
+        if (views.size() >= most || taken++ >= std::max<size_t>(2, most / (kParts * kParts))) continue;
+        const glm::dvec3 eye(glm::dvec2(field.centre(spot.x, spot.y)), double(field.ground(spot.x, spot.y)) + kEye);
+        const glm::dvec3 ahead(std::cos(spot.heading), std::sin(spot.heading), 0.03);
+        views.push_back(lookAt("", eye, eye + ahead, field.box()));
+    }
+    return views;
+}
+
 }  // namespace
 
 double chooseFar(const base::Box& box, const glm::dvec3& eye, double near) {
@@ -158,21 +179,8 @@ double chooseFar(const base::Box& box, const glm::dvec3& eye, double near) {
 std::vector<View> chooseViews(const Scene& scene) {
     const HeightField field(scene);
     const base::Box& box = field.box();
-    const double extent = double(std::max(box.size().x, box.size().y));
-    std::vector<View> views;
-    std::vector<glm::dvec2> taken;
-    const std::vector<Spot> spots = rankedSpots(field);
-    for (const double apart : {0.2 * extent, 0.05 * extent}) {
-        for (const Spot& spot : spots) {
-            if (views.size() == kGroundViews) break;
-            const glm::dvec2 at(field.centre(spot.x, spot.y));
-            if (std::ranges::any_of(taken, [&](const glm::dvec2& t) { return glm::distance(t, at) < apart; })) continue;
-            const glm::dvec3 eye(at, double(field.ground(spot.x, spot.y)) + kEye);
-            const glm::dvec3 ahead(std::cos(spot.heading), std::sin(spot.heading), 0.03);
-            views.push_back(lookAt(fmt::format("auto{}", views.size()), eye, eye + ahead, box));
-            taken.push_back(at);
-        }
-    }
+    std::vector<View> views = pickViews(scene, candidates(field, rankedSpots(field), kMostCandidates), kGroundViews);
+    for (size_t i = 0; i < views.size(); ++i) views[i].name = fmt::format("auto{}", i);
     // Too small or too crowded to stand in: around it, at the foot of the box.
     const glm::dvec3 centre(box.centre());
     const double radius = std::max(0.5, glm::length(glm::dvec3(box.halfSize())));
