@@ -1,0 +1,95 @@
+#include "scenegen/import/scene_builder.h"
+
+#include "base/error.h"
+#include "base/hash.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace dapple::scenegen {
+namespace {
+
+/// Rotation that takes the file's up axis to z. Entries are 0 and ±1: nothing is rounded.
+glm::dmat3 zUpFrom(char up) {
+    if (up == 'x') return {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+    if (up == 'y') return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+    return glm::dmat3(1);
+}
+
+bool same(const Mesh& a, const Mesh& b) {
+    return a.positions == b.positions && a.indices == b.indices && a.normals == b.normals && a.uvs == b.uvs && a.material == b.material;
+}
+
+}  // namespace
+
+SceneBuilder::SceneBuilder(const std::filesystem::path& file, const Sidecar& sidecar, char up)
+    : file_(file), sidecar_(sidecar), axes_(zUpFrom(sidecar.up.value_or(up))), copyFound_(sidecar.copies.size(), false) {}
+
+void SceneBuilder::fail(const std::string& why) const { throw base::UsageError(file_.string() + ": " + why); }
+
+uint32_t SceneBuilder::addMesh(Mesh mesh) {
+    base::Hasher h;
+    h.array(std::span<const glm::vec3>(mesh.positions));
+    h.array(std::span<const uint32_t>(mesh.indices));
+    std::vector<uint32_t>& candidates = meshesByHash_[h.digest()];
+    const auto it = std::ranges::find_if(candidates, [&](uint32_t i) { return same(scene.meshes[i], mesh); });
+    if (it != candidates.end()) return *it;
+    candidates.push_back(uint32_t(scene.meshes.size()));
+    scene.meshes.push_back(std::move(mesh));
+    return candidates.back();
+}
+
+SceneBuilder::Node SceneBuilder::child(const Node& parent, const std::string& name, const glm::dmat4& parentFromNode) {
+    for (size_t i = 0; i < copyFound_.size(); ++i)
+        if (sidecar_.copies[i].node == name) copyFound_[i] = true;
+    return {name, parent.worldFromNode * parentFromNode, parent.castsShadow && !matchesAny(name, sidecar_.receivers)};
+}
+
+/// A transform between file spaces as one between ours: positions are turned and scaled on both sides.
+glm::dmat4 SceneBuilder::conjugate(const glm::dmat4& m) const {
+    glm::dmat4 r(axes_ * glm::dmat3(m) * glm::transpose(axes_));
+    r[3] = glm::dvec4(position(glm::dvec3(m[3])), 1);
+    return r;
+}
+
+void SceneBuilder::addObject(const Node& node, std::vector<uint32_t> meshes) {
+    FileScene::Object object{node.name, conjugate(node.worldFromNode), std::move(meshes), node.castsShadow};
+    for (const Sidecar::Copy& copy : sidecar_.copies) {
+        if (copy.node != node.name) continue;
+        scene.objects.push_back(object);
+        glm::dmat4& m = scene.objects.back().worldFromObject;
+        m = glm::rotate(glm::dmat4(1), glm::radians(copy.yaw), glm::dvec3(0, 0, 1)) * glm::dmat4(glm::dmat3(m));
+        m[3] = glm::dvec4(copy.to, 1);
+    }
+    if (!matchesAny(node.name, sidecar_.drop)) scene.objects.push_back(std::move(object));
+}
+
+void SceneBuilder::addView(const Node& node, const std::string& name, const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, double fovY) {
+    View view;
+    view.name = name;
+    view.eye = position(glm::dvec3(node.worldFromNode * glm::dvec4(eye, 1)));
+    view.forward = direction(glm::dmat3(node.worldFromNode) * forward);
+    view.up = direction(glm::dmat3(node.worldFromNode) * up);
+    if (!(glm::length(glm::cross(view.forward, view.up)) > 1e-9)) return;
+    view.forward = glm::normalize(view.forward);
+    view.up = glm::normalize(view.up);
+    if (fovY > 1 && fovY < 170) view.fovY = fovY;  // Assimp 5.2 loses the angle of COLLADA: 0.8°
+    view.far = 0;
+    scene.views.push_back(view);
+}
+
+void SceneBuilder::addSun(const Node& node, const glm::dvec3& lightDirection) {
+    const glm::dvec3 toSun = -direction(glm::dmat3(node.worldFromNode) * lightDirection);
+    if (scene.sun || !(toSun.z > 1e-3 * glm::length(toSun))) return;
+    const double azimuth = glm::degrees(std::atan2(toSun.x, toSun.y));
+    scene.sun = Sun{azimuth < 0 ? azimuth + 360 : azimuth, glm::degrees(std::asin(std::min(1.0, toSun.z / glm::length(toSun))))};
+}
+
+FileScene SceneBuilder::finish() {
+    for (size_t i = 0; i < copyFound_.size(); ++i)
+        if (!copyFound_[i]) fail(fmt::format("its .toml copies node '{}', which does not exist", sidecar_.copies[i].node));
+    return std::move(scene);
+}
+
+}  // namespace dapple::scenegen

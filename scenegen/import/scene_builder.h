@@ -1,0 +1,63 @@
+#pragma once
+
+#include "scenegen/import/file_scene.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace dapple::scenegen {
+
+/// Puts together a FileScene. All that does not depend on the format is here: axes and unit, the sidecar's rules, and equal
+/// meshes found again. Everything handed in is in the file's own axes and units unless it says otherwise.
+class SceneBuilder {
+public:
+    /// `up`: the format's axis that points up (x, y or z), unless the sidecar names one. Both references are kept.
+    SceneBuilder(const std::filesystem::path& file, const Sidecar& sidecar, char up);
+
+    /// In our axes; positions in metres.
+    glm::dvec3 position(const glm::dvec3& p) const { return sidecar_.unit * (axes_ * p); }
+    glm::dvec3 direction(const glm::dvec3& d) const { return axes_ * d; }
+
+    /// Index into FileScene::meshes of `mesh`, which is in our axes already. An equal mesh is not added again: some formats and
+    /// readers copy a mesh for every node.
+    uint32_t addMesh(Mesh mesh);
+
+    /// A node on the way down from the root. A default one is the parent of the roots.
+    struct Node {
+        std::string name;
+        glm::dmat4 worldFromNode{1};
+        bool castsShadow = true;
+    };
+    /// A child of `parent`. The sidecar's receivers are told apart here.
+    Node child(const Node& parent, const std::string& name, const glm::dmat4& parentFromNode);
+
+    /// The node's meshes, by index into FileScene::meshes, as one object. The sidecar's copies and drops are applied here.
+    void addObject(const Node& node, std::vector<uint32_t> meshes);
+
+    /// A camera, its vectors in the node's space, its view's angle in degrees. One without a direction is left out.
+    void addView(const Node& node, const std::string& name, const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, double fovY);
+
+    /// A directional light that shines along `direction` in the node's space. The first that shines downwards is the sun.
+    void addSun(const Node& node, const glm::dvec3& direction);
+
+    /// Throws UsageError when the sidecar copies a node that has not come by.
+    FileScene finish();
+
+    /// Textures, materials and notes are filled in by the reader.
+    FileScene scene;
+
+    /// Throws UsageError that names the file.
+    [[noreturn]] void fail(const std::string& why) const;
+
+private:
+    glm::dmat4 conjugate(const glm::dmat4& m) const;
+
+    const std::filesystem::path& file_;
+    const Sidecar& sidecar_;
+    glm::dmat3 axes_;  ///< ours from the file's
+    std::map<uint64_t, std::vector<uint32_t>> meshesByHash_;
+    std::vector<bool> copyFound_;  ///< per copy of the sidecar
+};
+
+}  // namespace dapple::scenegen
