@@ -18,6 +18,9 @@ namespace dapple::scenegen {
 /// A .glb that writeGlb() made comes back as the scene that it was, to the bit.
 /// A small TOML beside the file, NAME.toml for NAME.ext, overrides all this: scenegen/import/sidecar.h.
 ///
+/// A child process reads: where a reader crashes, takes longer than 8 s and one more for each MB, or asks for too much
+/// memory, the file is refused.
+///
 /// The result is validate()d. Throws UsageError naming the file: missing, empty, truncated, not a scene,
 /// without a triangle, or with a vertex or node transform that is not finite (naming the node).
 Scene importFile(const std::filesystem::path& file);

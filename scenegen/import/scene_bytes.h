@@ -1,0 +1,12 @@
+#pragma once
+
+#include "base/child.h"
+#include "scenegen/scene.h"
+
+namespace dapple::scenegen {
+
+/// A scene from one process of this program to another of the same build: no format for files.
+void put(base::Child::Output& out, const Scene& scene);
+Scene getScene(base::Child& child);
+
+}  // namespace dapple::scenegen
