@@ -1,6 +1,6 @@
 #pragma once
 
-#include <glm/glm.hpp>
+#include "scenegen/city/rings.h"
 
 #include <array>
 #include <cstdint>
@@ -8,21 +8,14 @@
 
 namespace dapple::scenegen::city {
 
-using Ring = std::vector<glm::dvec2>;
-
-/// Twice the signed area: positive when counter-clockwise.
-double twiceArea(const Ring& ring);
-
-/// Whether no two edges of one or two rings cross or touch, but for neighbours at their common corner.
-bool isSimple(const Ring& ring);
-bool areApart(const Ring& a, const Ring& b);
-
-/// Even-odd rule.
-bool contains(const Ring& ring, const glm::dvec2& p);
-
-/// Triangles of a polygon with holes: the first ring counter-clockwise, the others clockwise within it, all simple and
-/// apart. Corners are numbered through the rings. Holes are bridged to the outer ring (Eberly 2002, Triangulation by Ear
-/// Clipping, section 5) and the fattest ear is cut each time. Empty when rounding leaves no ear.
+/// Counter-clockwise triangles of what an odd number of rings encloses: a polygon and its holes, rings that touch at
+/// corners or along edges, and rings with bridges (edges that run there and back). An outline runs counter-clockwise,
+/// a hole clockwise. Corners are numbered through the rings; where several lie at one place, each triangle gets the one
+/// whose angle it fills. A corner on another edge splits that edge. Corners within a millionth of the polygon's size
+/// of an edge that they cross count as on it.
+///
+/// Takes about n log n steps, on combs, spirals and stars too. Empty when rings cross, enclose nothing or hold a
+/// coordinate that is not finite; no coordinate may exceed 1e75 (products of four must stay finite).
 std::vector<std::array<uint32_t, 3>> triangulate(const std::vector<Ring>& rings);
 
 }  // namespace dapple::scenegen::city
