@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/log.h"
 
 #include <fmt/format.h>
 
@@ -21,6 +22,17 @@ std::string word(std::string name) {
     return name.empty() ? "_" : name;
 }
 
+/// IEC 61966-2-1; what programs take the colours of MTL files for.
+float srgbFromLinear(float v) { return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f; }
+
+/// -clamp holds for both directions, and nothing says "mirror".
+std::string mapOptions(const Scene& scene, const Texture& texture) {
+    if (texture.wrapU == Wrap::clamp && texture.wrapV == Wrap::clamp) return "-clamp on ";
+    if (texture.wrapU != Wrap::repeat || texture.wrapV != Wrap::repeat)
+        base::logWarning(fmt::format("scene {}: OBJ cannot say how the texture '{}' is repeated; it is repeated as it is", scene.name, texture.name));
+    return {};
+}
+
 std::string materialName(const Scene& scene, size_t index) { return fmt::format("{}_{}", word(scene.materials[index].name), index); }
 
 std::string materials(const Scene& scene, const fs::path& path) {
@@ -32,10 +44,16 @@ std::string materials(const Scene& scene, const fs::path& path) {
     std::string mtl;
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& m = scene.materials[i];
-        mtl += fmt::format("newmtl {}\nKd {} {} {}\nKs {} {} {}\nNs {}\n", materialName(scene, i), m.albedo.r, m.albedo.g, m.albedo.b,
-                           m.specular, m.specular, m.specular, m.shininess);
-        if (m.texture >= 0) mtl += fmt::format("map_Kd {}\n", images[size_t(m.texture)]);
-        if (m.texture >= 0 && m.alphaTested) mtl += fmt::format("map_d {}\n", images[size_t(m.texture)]);
+        mtl += fmt::format("newmtl {}\nKd {} {} {}\nKs {} {} {}\nNs {}\n", materialName(scene, i), srgbFromLinear(m.albedo.r),
+                           srgbFromLinear(m.albedo.g), srgbFromLinear(m.albedo.b), m.specular, m.specular, m.specular, m.shininess);
+        if (m.texture >= 0) {
+            const std::string map = mapOptions(scene, scene.textures[size_t(m.texture)]) + images[size_t(m.texture)];
+            mtl += fmt::format("map_Kd {}\n", map);
+            if (m.alphaTested) mtl += fmt::format("map_d {}\n", map);
+            if (m.alphaTested && m.alphaCutoff > kAlphaCutoff) mtl += fmt::format("d {}\n", kAlphaCutoff / m.alphaCutoff);
+            if (m.alphaTested && m.alphaCutoff < kAlphaCutoff)
+                base::logWarning(fmt::format("scene {}: OBJ cannot say that '{}' is cut out below one half; it is cut out at one half", scene.name, m.name));
+        }
         mtl += '\n';
     }
     return mtl;

@@ -1,6 +1,10 @@
 #include "scenegen/import/file_scene.h"
 
+#include "base/error.h"
+#include "scenegen/import/file_space.h"
 #include "scenegen/import/normals.h"
+#include "scenegen/import/obj_file.h"
+#include "scenegen/import/polygons.h"
 #include "scenegen/import/scene_builder.h"
 
 #include <assimp/Importer.hpp>
@@ -9,7 +13,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
+#include <span>
 
 namespace dapple::scenegen {
 namespace fs = std::filesystem;
@@ -21,84 +27,82 @@ glm::dmat4 toGlm(const aiMatrix4x4& m) {
 
 glm::dvec3 toGlm(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-constexpr double kCreaseDegrees = 45;  ///< where a file has no normals; AC3D's default crease angle
+bool isGltf(const fs::path& file) { return lowerExtension(file).starts_with(".gl"); }
 
-char defaultUp(const fs::path& file) {
-    const std::string extension = lowerExtension(file);
-    return extension == ".blend" || extension == ".stl" || extension == ".ply" ? 'z' : 'y';
+/// Nodes in the order in which a recursion meets them, without its depth.
+template <class Visit>
+void forEachNode(const aiNode& root, const Visit& visit) {
+    std::vector<const aiNode*> stack{&root};
+    while (!stack.empty()) {
+        const aiNode& node = *stack.back();
+        stack.pop_back();
+        visit(node);
+        for (unsigned i = node.mNumChildren; i-- > 0;)
+            if (node.mChildren[i]) stack.push_back(node.mChildren[i]);
+    }
 }
 
-bool isGltf(const fs::path& file) { return lowerExtension(file).starts_with(".gl"); }
+[[noreturn]] void fail(const fs::path& file, const std::string& why) { throw base::UsageError(file.string() + ": " + why); }
+
+/// Before any processing, which must not hide what is not finite, and trusts indices.
+void requireSound(const fs::path& file, const aiScene& scene) {
+    std::vector<std::string> wrong(scene.mNumMeshes);
+    for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+        const aiMesh& mesh = *scene.mMeshes[m];
+        for (unsigned v = 0; v < mesh.mNumVertices; ++v)
+            if (!base::allFinite(toGlm(mesh.mVertices[v]))) wrong[m] = fmt::format("vertex {} is not finite", v);
+        for (unsigned f = 0; f < mesh.mNumFaces; ++f)
+            for (unsigned k = 0; k < mesh.mFaces[f].mNumIndices; ++k)
+                if (mesh.mFaces[f].mIndices[k] >= mesh.mNumVertices)
+                    wrong[m] = fmt::format("a face names vertex {} of {}", mesh.mFaces[f].mIndices[k], mesh.mNumVertices);
+    }
+    forEachNode(*scene.mRootNode, [&](const aiNode& node) {
+        if (!base::allFinite(toGlm(node.mTransformation))) fail(file, fmt::format("node '{}' has a transform that is not finite", node.mName.C_Str()));
+        for (unsigned i = 0; i < node.mNumMeshes; ++i)
+            if (const std::string& why = wrong[node.mMeshes[i]]; !why.empty()) fail(file, fmt::format("node '{}': {}", node.mName.C_Str(), why));
+    });
+}
+
+const aiScene& load(Assimp::Importer& importer, const fs::path& file) {
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+    const aiScene* scene = importer.ReadFile(file.string(), 0);
+    if (!scene) {
+        const std::string why = importer.GetErrorString();
+        fail(file, "cannot be read as a scene: " + why.substr(0, why.find('\n')));
+    }
+    if (!scene->mRootNode || scene->mNumMeshes == 0) fail(file, "has no mesh");
+    requireSound(file, *scene);
+    scene = importer.ApplyPostProcessing(aiProcess_TransformUVCoords | aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
+    if (!scene || scene->mNumMeshes == 0) fail(file, "has no triangle");
+    return *scene;
+}
 
 class Reader {
 public:
-    Reader(const fs::path& file, const Sidecar& sidecar) : file_(file), sidecar_(sidecar), builder_(file, sidecar, defaultUp(file)) {}
+    Reader(const fs::path& file, const Sidecar& sidecar, const aiScene& scene)
+        : file_(file), builder_(file, sidecar, spaceOf(scene, file)), scene_(scene), materials_(readFileMaterials(scene, file, sidecar, builder_)) {}
 
     FileScene read() {
-        const aiScene& scene = load();
-        const FileMaterials materials = readFileMaterials(scene, file_, sidecar_);
-        builder_.scene.textures = materials.textures;
-        builder_.scene.materials = materials.materials;
-        builder_.scene.notes = materials.notes;
-        for (unsigned i = 0; i < scene.mNumMeshes; ++i) ourMesh_.push_back(builder_.addMesh(convert(*scene.mMeshes[i], materials)));
-        readNodes(*scene.mRootNode);
-        readCameras(scene);
-        readSun(scene);
+        for (unsigned i = 0; i < scene_.mNumMeshes; ++i) ourMesh_.push_back(addMesh(*scene_.mMeshes[i]));
+        readNodes();
+        readCameras();
+        readSun();
         return builder_.finish();
     }
 
 private:
-    const aiScene& load() {
-        const auto fail = [&](const std::string& why) { builder_.fail(why); };
-        std::error_code error;
-        if (!fs::exists(file_, error)) fail("no such file");
-        if (fs::is_directory(file_, error)) fail("is a folder, not a scene");
-        if (fs::file_size(file_, error) == 0) fail("is empty");
-        importer_.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-        importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-        const aiScene* scene = importer_.ReadFile(file_.string(), 0);
-        if (!scene) {
-            std::string why = importer_.GetErrorString();
-            fail("cannot be read as a scene: " + why.substr(0, why.find('\n')));
-        }
-        if (!scene->mRootNode || scene->mNumMeshes == 0) fail("has no mesh");
-        // Before any processing: it must not hide what is not finite.
-        requireFinite(*scene);
-        scene = importer_.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_TransformUVCoords |
-                                              aiProcess_JoinIdenticalVertices | aiProcess_FlipUVs);
-        if (!scene || scene->mNumMeshes == 0) fail("has no triangle");
-        return *scene;
-    }
-
-    /// Nodes in the order in which a recursion meets them, without its depth.
-    template <class Visit>
-    static void forEachNode(const aiNode& root, const Visit& visit) {
-        std::vector<const aiNode*> stack{&root};
-        while (!stack.empty()) {
-            const aiNode& node = *stack.back();
-            stack.pop_back();
-            visit(node);
-            for (unsigned i = node.mNumChildren; i-- > 0;) stack.push_back(node.mChildren[i]);
-        }
-    }
-
-    void requireFinite(const aiScene& scene) const {
-        forEachNode(*scene.mRootNode, [&](const aiNode& node) {
-            if (!base::allFinite(toGlm(node.mTransformation))) builder_.fail(fmt::format("node '{}' has a transform that is not finite", node.mName.C_Str()));
-            for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-                const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
-                for (unsigned v = 0; v < mesh.mNumVertices; ++v)
-                    if (!base::allFinite(toGlm(mesh.mVertices[v]))) builder_.fail(fmt::format("node '{}': vertex {} is not finite", node.mName.C_Str(), v));
-            }
-        });
-    }
-
-    Mesh convert(const aiMesh& source, const FileMaterials& materials) const {
-        Mesh mesh;
-        const unsigned uvChannel = materials.uvChannel[source.mMaterialIndex];
+    /// Index into FileScene::meshes; -1 when nothing of it is drawn.
+    int addMesh(const aiMesh& source) {
+        const unsigned uvChannel = materials_.uvChannel[source.mMaterialIndex];
         const bool hasUv = source.HasTextureCoords(uvChannel);
-        mesh.material = (hasUv ? materials.ofAssimp : materials.flatOfAssimp)[source.mMaterialIndex];
-        const bool textured = materials.materials[mesh.material].texture >= 0;
+        const int material = (hasUv ? materials_.ofAssimp : materials_.flatOfAssimp)[source.mMaterialIndex];
+        return material >= 0 ? int(builder_.addMesh(convert(source, uint32_t(material), uvChannel))) : -1;
+    }
+
+    Mesh convert(const aiMesh& source, uint32_t material, unsigned uvChannel) {
+        Mesh mesh;
+        mesh.material = material;
+        const bool textured = builder_.scene.materials[material].texture >= 0;
         for (unsigned v = 0; v < source.mNumVertices; ++v) {
             mesh.positions.emplace_back(builder_.position(toGlm(source.mVertices[v])));
             const glm::dvec3 n = source.HasNormals() ? builder_.direction(toGlm(source.mNormals[v])) : glm::dvec3(0);
@@ -108,26 +112,49 @@ private:
             const bool finite = std::isfinite(t.x) && std::isfinite(t.y);
             mesh.uvs.emplace_back(finite ? t.x : 0.0f, finite ? t.y : 0.0f);
         }
+        std::vector<glm::dvec3> polygon;
+        std::vector<std::array<uint32_t, 3>> triangles;
         for (unsigned f = 0; f < source.mNumFaces; ++f) {
-            const aiFace& face = source.mFaces[f];
-            if (face.mNumIndices == 3) mesh.indices.insert(mesh.indices.end(), face.mIndices, face.mIndices + 3);
+            const std::span<const unsigned> face(source.mFaces[f].mIndices, source.mFaces[f].mNumIndices);
+            if (face.size() < 3) {
+                builder_.scene.notes.add("lines and points are ignored");
+                continue;
+            }
+            polygon.clear(), triangles.clear();
+            for (const unsigned v : face) polygon.push_back(toGlm(source.mVertices[v]));
+            if (!cutPolygon(polygon, triangles)) builder_.scene.notes.add(kCutAsFan, source.mName.C_Str());
+            for (const auto& t : triangles)
+                for (const uint32_t k : t) mesh.indices.push_back(face[k]);
         }
         // Not Assimp's: it does not split shared vertices at creases.
         if (!source.HasNormals()) generateNormals(mesh, kCreaseDegrees);
         return mesh;
     }
 
-    void readNodes(const aiNode& root) {
+    void readNodes() {
         std::map<const aiNode*, SceneBuilder::Node> ours;
-        forEachNode(root, [&](const aiNode& node) {
+        forEachNode(*scene_.mRootNode, [&](const aiNode& node) {
             const SceneBuilder::Node& here = ours[&node] =
                 builder_.child(node.mParent ? ours[node.mParent] : SceneBuilder::Node{}, node.mName.C_Str(), toGlm(node.mTransformation));
             nodes_.emplace(here.name, here);
-            if (node.mNumMeshes == 0) return;
             std::vector<uint32_t> meshes;
-            for (unsigned i = 0; i < node.mNumMeshes; ++i) meshes.push_back(ourMesh_[node.mMeshes[i]]);
+            for (unsigned i = 0; i < node.mNumMeshes; ++i)
+                if (const int mesh = ourMesh_[node.mMeshes[i]]; mesh >= 0) meshes.push_back(uint32_t(mesh));
+            if (meshes.empty()) return;
+            noteCoarse(here, meshes);
             builder_.addObject(here, std::move(meshes));
         });
+    }
+
+    /// Assimp holds positions and transforms as floats.
+    void noteCoarse(const SceneBuilder::Node& node, const std::vector<uint32_t>& meshes) {
+        constexpr double kFine = 1e-3;  // metres
+        double farthest = glm::length(builder_.position(glm::dvec3(node.worldFromNode[3])));
+        for (const uint32_t m : meshes)
+            for (const glm::vec3& p : builder_.scene.meshes[m].positions) farthest = std::max(farthest, double(glm::length(p)));
+        const double step = farthest * std::numeric_limits<float>::epsilon() / 2;
+        if (step > kFine)
+            builder_.scene.notes.add("coordinates so far from the origin are read in steps of more than a millimetre", fmt::format("{}: {:.2g} m", node.name, step));
     }
 
     /// Degrees.
@@ -138,9 +165,9 @@ private:
         return glm::degrees(2 * std::atan(std::tan(horizontal / 2) / (aspect > 0 ? aspect : 4.0 / 3.0)));
     }
 
-    void readCameras(const aiScene& scene) {
-        for (unsigned i = 0; i < scene.mNumCameras; ++i) {
-            const aiCamera& camera = *scene.mCameras[i];
+    void readCameras() {
+        for (unsigned i = 0; i < scene_.mNumCameras; ++i) {
+            const aiCamera& camera = *scene_.mCameras[i];
             const auto node = nodes_.find(camera.mName.C_Str());
             if (node == nodes_.end()) continue;
             const std::string name = camera.mName.length > 0 ? camera.mName.C_Str() : fmt::format("camera{}", i);
@@ -150,24 +177,32 @@ private:
         }
     }
 
-    void readSun(const aiScene& scene) {
-        for (unsigned i = 0; i < scene.mNumLights; ++i) {
-            const aiLight& light = *scene.mLights[i];
+    void readSun() {
+        for (unsigned i = 0; i < scene_.mNumLights; ++i) {
+            const aiLight& light = *scene_.mLights[i];
             const auto node = nodes_.find(light.mName.C_Str());
             if (light.mType == aiLightSource_DIRECTIONAL && node != nodes_.end()) builder_.addSun(node->second, toGlm(light.mDirection));
         }
     }
 
-    fs::path file_;
-    const Sidecar& sidecar_;
+    const fs::path& file_;
     SceneBuilder builder_;
-    Assimp::Importer importer_;
-    std::vector<uint32_t> ourMesh_;  ///< index into FileScene::meshes, per Assimp mesh
+    const aiScene& scene_;
+    FileMaterials materials_;
+    std::vector<int> ourMesh_;  ///< index into FileScene::meshes, per Assimp mesh; -1: not drawn
     std::map<std::string, SceneBuilder::Node> nodes_;
 };
 
 }  // namespace
 
-FileScene readFileScene(const fs::path& file, const Sidecar& sidecar) { return Reader(file, sidecar).read(); }
+FileScene readFileScene(const fs::path& file, const Sidecar& sidecar) {
+    std::error_code error;
+    if (!fs::exists(file, error)) fail(file, "no such file");
+    if (fs::is_directory(file, error)) fail(file, "is a folder, not a scene");
+    if (fs::file_size(file, error) == 0) fail(file, "is empty");
+    if (lowerExtension(file) == ".obj") return readObj(file, sidecar);
+    Assimp::Importer importer;
+    return Reader(file, sidecar, load(importer, file)).read();
+}
 
 }  // namespace dapple::scenegen

@@ -31,18 +31,18 @@ struct FileScene {
 /// ".obj" of "A.OBJ".
 std::string lowerExtension(const std::filesystem::path& file);
 
-/// Reads `file` with Assimp. Throws the UsageErrors of importFile().
+/// Reads `file`. Throws the UsageErrors of importFile().
 FileScene readFileScene(const std::filesystem::path& file, const Sidecar& sidecar);
 
-/// Materials of `file` with their textures, equal ones merged.
+class SceneBuilder;
+
+/// Materials of an Assimp scene. -1: drawn nowhere.
 struct FileMaterials {
-    std::vector<Texture> textures;
-    std::vector<Material> materials;
-    std::vector<uint32_t> ofAssimp;      ///< index into materials, per Assimp material
-    std::vector<uint32_t> flatOfAssimp;  ///< the same without texture, for meshes without coordinates
-    std::vector<unsigned> uvChannel;     ///< texture coordinate set, per Assimp material
-    Notes notes;
+    std::vector<int> ofAssimp;        ///< index into FileScene::materials, per Assimp material
+    std::vector<int> flatOfAssimp;    ///< the same without texture, for meshes without coordinates
+    std::vector<unsigned> uvChannel;  ///< texture coordinate set, per Assimp material
 };
-FileMaterials readFileMaterials(const aiScene& scene, const std::filesystem::path& file, const Sidecar& sidecar);
+/// Adds materials and textures to the builder's scene.
+FileMaterials readFileMaterials(const aiScene& scene, const std::filesystem::path& file, const Sidecar& sidecar, SceneBuilder& builder);
 
 }  // namespace dapple::scenegen

@@ -9,11 +9,11 @@
 
 namespace dapple::scenegen {
 
-/// Any file that Assimp opens (glTF 2.0, OBJ, AC3D, Blender, COLLADA, …) as a scene.
+/// OBJ (obj_file.h), and any file that Assimp opens (glTF 2.0, AC3D, Blender, COLLADA, …), as a scene.
 ///
-/// Up axis: y for every format as Assimp delivers it (glTF, OBJ, AC3D; COLLADA and 3DS are turned by
-/// Assimp), except z for .blend, .stl and .ply. Units are metres. Alpha testing and closedness are derived
-/// from the content, meshes that several nodes use become one prototype with several instances, and
+/// Up axis and unit: what the file or its format says (file_space.h), else y and metres. Polygons may be concave.
+/// Alpha testing and closedness are derived from the content, closed parts that face inwards are turned
+/// (orientation.h), meshes that several nodes use become one prototype with several instances, and
 /// sun and views come from the file or are chosen (scenegen/import/auto_views.h).
 /// A .glb that writeGlb() made comes back as the scene that it was, to the bit.
 /// A small TOML beside the file, NAME.toml for NAME.ext, overrides all this: scenegen/import/sidecar.h.

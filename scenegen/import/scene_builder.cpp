@@ -10,25 +10,38 @@
 namespace dapple::scenegen {
 namespace {
 
-/// Rotation that takes the file's up axis to z. Entries are 0 and ±1: nothing is rounded.
-glm::dmat3 zUpFrom(char up) {
-    if (up == 'x') return {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
-    if (up == 'y') return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
-    return glm::dmat3(1);
-}
-
 bool same(const Mesh& a, const Mesh& b) {
     return a.positions == b.positions && a.indices == b.indices && a.normals == b.normals && a.uvs == b.uvs && a.material == b.material;
 }
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(const std::filesystem::path& file, const Sidecar& sidecar, char up)
-    : file_(file), sidecar_(sidecar), axes_(zUpFrom(sidecar.up.value_or(up))), copyFound_(sidecar.copies.size(), false) {}
+FileSpace::FileSpace(const std::string& up) {
+    const char axis = up.back();
+    if (axis == 'x') axes = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+    if (axis == 'y') axes = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+    if (up.front() == '-') axes = glm::dmat3({1, 0, 0}, {0, -1, 0}, {0, 0, -1}) * axes;  // half a turn about x
+}
+
+SceneBuilder::SceneBuilder(const std::filesystem::path& file, const Sidecar& sidecar, const FileSpace& space)
+    : file_(file), sidecar_(sidecar), space_(space), copyFound_(sidecar.copies.size(), false) {
+    if (sidecar.up) space_.axes = FileSpace(*sidecar.up).axes;
+    if (sidecar.unit) space_.metresPerUnit = *sidecar.unit;
+}
 
 void SceneBuilder::fail(const std::string& why) const { throw base::UsageError(file_.string() + ": " + why); }
 
+uint32_t SceneBuilder::addMaterial(const Material& material) {
+    const Material& m = material;
+    const MaterialKey key{m.albedo.x, m.albedo.y, m.albedo.z, m.specular, m.shininess, m.texture, m.alphaTested, m.alphaCutoff};
+    const auto [it, isNew] = materials_.emplace(key, uint32_t(scene.materials.size()));
+    if (isNew) scene.materials.push_back(material);
+    return it->second;
+}
+
 uint32_t SceneBuilder::addMesh(Mesh mesh) {
+    if (glm::determinant(space_.axes) < 0)
+        for (size_t i = 0; i < mesh.indices.size(); i += 3) std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
     base::Hasher h;
     h.array(std::span<const glm::vec3>(mesh.positions));
     h.array(std::span<const uint32_t>(mesh.indices));
@@ -48,7 +61,7 @@ SceneBuilder::Node SceneBuilder::child(const Node& parent, const std::string& na
 
 /// A transform between file spaces as one between ours: positions are turned and scaled on both sides.
 glm::dmat4 SceneBuilder::conjugate(const glm::dmat4& m) const {
-    glm::dmat4 r(axes_ * glm::dmat3(m) * glm::transpose(axes_));
+    glm::dmat4 r(space_.axes * glm::dmat3(m) * glm::transpose(space_.axes));
     r[3] = glm::dvec4(position(glm::dvec3(m[3])), 1);
     return r;
 }

@@ -4,22 +4,37 @@
 
 #include <map>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace dapple::scenegen {
+
+/// How a file's coordinates become ours: x ↦ metresPerUnit · axes · x.
+struct FileSpace {
+    glm::dmat3 axes{1};  ///< entries 0 and ±1; may mirror
+    double metresPerUnit = 1;
+
+    /// Axis that points up: "x", "y", "z", "-x", "-y" or "-z".
+    FileSpace(const std::string& up);
+    FileSpace(char up) : FileSpace(std::string(1, up)) {}
+    FileSpace(const glm::dmat3& fileAxes, double unit) : axes(fileAxes), metresPerUnit(unit) {}
+};
 
 /// Puts together a FileScene. All that does not depend on the format is here: axes and unit, the sidecar's rules, and equal
 /// meshes found again. Everything handed in is in the file's own axes and units unless it says otherwise.
 class SceneBuilder {
 public:
-    /// `up`: the format's axis that points up (x, y or z), unless the sidecar names one. Both references are kept.
-    SceneBuilder(const std::filesystem::path& file, const Sidecar& sidecar, char up);
+    /// `space`: what the file or its format says; the sidecar's axis and unit replace it. Both references are kept.
+    SceneBuilder(const std::filesystem::path& file, const Sidecar& sidecar, const FileSpace& space);
 
     /// In our axes; positions in metres.
-    glm::dvec3 position(const glm::dvec3& p) const { return sidecar_.unit * (axes_ * p); }
-    glm::dvec3 direction(const glm::dvec3& d) const { return axes_ * d; }
+    glm::dvec3 position(const glm::dvec3& p) const { return space_.metresPerUnit * (space_.axes * p); }
+    glm::dvec3 direction(const glm::dvec3& d) const { return space_.axes * d; }
 
-    /// Index into FileScene::meshes of `mesh`, which is in our axes already. An equal mesh is not added again: some formats and
+    /// Index into FileScene::materials of one that is equal but for its name.
+    uint32_t addMaterial(const Material& material);
+
+    /// Index into FileScene::meshes of `mesh`, which is in our axes already, its triangles wound as in the file. An equal mesh is not added again: some formats and
     /// readers copy a mesh for every node.
     uint32_t addMesh(Mesh mesh);
 
@@ -55,7 +70,9 @@ private:
 
     const std::filesystem::path& file_;
     const Sidecar& sidecar_;
-    glm::dmat3 axes_;  ///< ours from the file's
+    FileSpace space_;
+    using MaterialKey = std::tuple<float, float, float, float, float, int, bool, float>;
+    std::map<MaterialKey, uint32_t> materials_;
     std::map<uint64_t, std::vector<uint32_t>> meshesByHash_;
     std::vector<bool> copyFound_;  ///< per copy of the sidecar
 };

@@ -36,10 +36,11 @@ Sidecar readSidecar(const std::filesystem::path& file) {
     auto root = base::ConfigTable::parseFile(path);
     if (root.has("up")) {
         const std::string up = root.text("up");
-        if (up != "x" && up != "y" && up != "z") root.fail("up", "must be \"x\", \"y\" or \"z\"");
-        sidecar.up = up[0];
+        if (up != "x" && up != "y" && up != "z" && up != "-x" && up != "-y" && up != "-z")
+            root.fail("up", "must be \"x\", \"y\", \"z\", \"-x\", \"-y\" or \"-z\"");
+        sidecar.up = up;
     }
-    sidecar.unit = root.number("unit", 1, 1e-9, 1e9);
+    if (root.has("unit")) sidecar.unit = root.number("unit", 1, 1e-9, 1e9);
     sidecar.cell = root.number("cell", sidecar.cell, 1, 1e6);
     if (root.has("textures"))
         for (const std::string& folder : root.values("textures")) sidecar.textures.push_back(path.parent_path() / folder);

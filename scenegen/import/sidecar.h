@@ -11,7 +11,7 @@ namespace dapple::scenegen {
 
 /// What a person knows about a scene file and the file does not say: NAME.toml beside NAME.ext.
 ///
-///     up = "z"                     # axis of the file that points up: x, y or z
+///     up = "z"                     # axis of the file that points up: x, y, z, -x, -y or -z
 ///     unit = 0.01                  # metres per unit of the file, > 0
 ///     textures = ["../textures"]   # further folders to search, relative to the file
 ///     drop = ["BB_*", "SkyBox"]    # node names (shell patterns) whose meshes are left out; children stay
@@ -35,8 +35,8 @@ struct Sidecar {
         glm::dvec3 to{0};
         double yaw = 0;
     };
-    std::optional<char> up;
-    double unit = 1;
+    std::optional<std::string> up;
+    std::optional<double> unit;
     std::vector<std::filesystem::path> textures;
     std::vector<std::string> drop, receivers;
     double cell = 128;
