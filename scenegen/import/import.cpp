@@ -56,19 +56,21 @@ Scene readContent(const fs::path& file) {
         }
     const Sidecar sidecar = readSidecar(file);
     FileScene content = readFileScene(file, sidecar);
+    if (!sidecar.views.empty()) content.views = sidecar.views;
 
     Scene scene;
     scene.name = file.stem().string();
     scene.source = file.string();
     const CutCounts counts = cutIntoPrototypes(content, sidecar.cell, scene);
     if (counts.degenerate > 0) content.notes.add("degenerate triangles are dropped", "", counts.degenerate);
+    if (counts.turned > 0) content.notes.add("closed parts are wound inwards and turned outwards", "", counts.turned);
     const Facts facts = scene.facts();
     if (facts.triangles == 0) throw base::UsageError(file.string() + ": has no triangle");
     if (!base::allFinite(facts.box.lo) || !base::allFinite(facts.box.hi))
         throw base::UsageError(file.string() + ": its extent is beyond what float can hold");
 
     scene.sun = sidecar.sun ? *sidecar.sun : content.sun.value_or(Sun{});
-    for (View view : sidecar.views.empty() ? content.views : sidecar.views) {
+    for (View view : content.views) {
         view.eye -= scene.origin;
         if (view.far == 0) view.far = chooseFar(facts.box, view.eye, view.near);
         scene.views.push_back(std::move(view));

@@ -1,5 +1,6 @@
 #include "scenegen/import/prototypes.h"
 
+#include "scenegen/import/orientation.h"
 #include "scenegen/lod/connectivity.h"
 
 #include <fmt/format.h>
@@ -49,11 +50,6 @@ ShapeKey shapeKey(const FileScene::Object& object, const glm::dmat3& baked) {
     for (int i = 0; i < 9; ++i) digits[size_t(i)] = std::llround(baked[i / 3][i % 3] * 1e5);
     return {object.meshes, object.castsShadow, digits};
 }
-
-struct Placed {
-    glm::dvec3 translation;
-    double scale, yaw;
-};
 
 struct Shape {
     std::string name;
@@ -138,12 +134,6 @@ std::vector<uint32_t> allTriangles(const TransformedMesh& mesh) {
     return all;
 }
 
-/// A prototype under construction with its places in the file's world.
-struct Draft {
-    Prototype prototype;
-    std::vector<Placed> places;
-};
-
 void addInstanced(const FileScene& file, const Shape& shape, std::vector<Draft>& drafts, size_t& degenerate) {
     Draft draft{{shape.name, {}, shape.castsShadow, false}, shape.places};
     std::map<uint32_t, Mesh> byMaterial;
@@ -158,10 +148,7 @@ void addInstanced(const FileScene& file, const Shape& shape, std::vector<Draft>&
     if (box.empty()) return;
     const glm::dvec3 centre = glm::length(box.centre()) > kFarFromOwnSpace ? glm::round(box.centre()) : glm::dvec3(0);
     for (const auto& [source, mesh] : parts) append(byMaterial[source->material], *source, mesh, allTriangles(mesh), centre);
-    for (Placed& p : draft.places) {
-        const double c = std::cos(p.yaw), s = std::sin(p.yaw);
-        p.translation += p.scale * glm::dvec3(c * centre.x - s * centre.y, s * centre.x + c * centre.y, centre.z);
-    }
+    for (Placed& p : draft.places) p.translation = p(centre);
     for (auto& [material, mesh] : byMaterial) {
         mesh.material = material;
         if (!mesh.indices.empty()) draft.prototype.meshes.push_back(std::move(mesh));
@@ -259,10 +246,10 @@ CutCounts cutIntoPrototypes(FileScene& file, double cell, Scene& scene) {
     for (const Shape& shape : shapes)
         if (!merge || shape.places.size() > 1) addInstanced(file, shape, drafts, counts.degenerate);
     if (merge) addMerged(file, statics, cell, drafts, counts.degenerate);
+    counts.turned = orientClosed(drafts, file.views);
 
     scene.origin = chooseOrigin(drafts);
     for (Draft& draft : drafts) {
-        draft.prototype.closed = std::ranges::all_of(draft.prototype.meshes, [](const Mesh& m) { return isClosed(m); });
         for (const Placed& p : draft.places)
             scene.instances.push_back({glm::vec3(p.translation - scene.origin), float(p.scale), float(p.yaw), uint32_t(scene.prototypes.size())});
         scene.prototypes.push_back(std::move(draft.prototype));

@@ -6,6 +6,7 @@ namespace dapple::scenegen {
 
 struct CutCounts {
     size_t degenerate = 0;  ///< triangles dropped, over all instances
+    size_t turned = 0;      ///< closed parts that were wound inwards
 };
 
 /// Cuts a file into prototypes and instances: origin, materials' sidedness and closedness are set too.
