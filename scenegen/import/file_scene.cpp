@@ -80,7 +80,12 @@ const aiScene& load(Assimp::Importer& importer, const fs::path& file) {
 class Reader {
 public:
     Reader(const fs::path& file, const Sidecar& sidecar, const aiScene& scene)
-        : file_(file), builder_(file, sidecar, spaceOf(scene, file)), scene_(scene), materials_(readFileMaterials(scene, file, sidecar, builder_)) {}
+        : file_(file),
+          builder_(file, sidecar, spaceOf(scene, file, notes_)),
+          scene_(scene),
+          materials_(readFileMaterials(scene, file, sidecar, builder_)) {
+        builder_.scene.notes.add(notes_);
+    }
 
     FileScene read() {
         for (unsigned i = 0; i < scene_.mNumMeshes; ++i) ourMesh_.push_back(addMesh(*scene_.mMeshes[i]));
@@ -186,6 +191,7 @@ private:
     }
 
     const fs::path& file_;
+    Notes notes_;  ///< of unit and axes
     SceneBuilder builder_;
     const aiScene& scene_;
     FileMaterials materials_;
