@@ -267,7 +267,7 @@ City readCity(base::ConfigTable& table, double scale) {
         city.footprints = table.path("footprints");
         city.projected = table.boolean("projected", false);
         city.nearDetail = table.number("nearDetail", 0, 0, 1e6);
-    city.views = int(table.integer("views", 6, 1, 60));
+        city.views = int(table.integer("views", 6, 1, 60));
         city.fovY = table.number("fovY", 60, 1, 170);
         table.finish();
         return city;

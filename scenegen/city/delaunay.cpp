@@ -158,43 +158,65 @@ uint32_t Delaunay::edgeBetween(uint32_t a, uint32_t b) const {
 
 void Delaunay::mark(uint32_t e, uint8_t odd) { wall_[e] = wall_[twin_[e]] = uint8_t(2 | ((wall_[e] ^ odd) & 1)); }
 
-bool Delaunay::addWall(uint32_t a, uint32_t b, double tolerance) { return add(a, b, 1, tolerance, 0); }
+bool Delaunay::addWall(uint32_t a, uint32_t b, double tolerance, double snap) {
+    tolerance_ = tolerance, snap_ = snap;
+    return add(a, b, 1, 0);
+}
 
-bool Delaunay::add(uint32_t a, uint32_t b, uint8_t odd, double tolerance, int depth) {
+bool Delaunay::add(uint32_t a, uint32_t b, uint8_t odd, int depth) {
     std::vector<uint32_t> crossed;
     while (a != b) {
         crossed.clear();
-        uint32_t to = advance(a, b, crossed);
-        if (!crossed.empty() && wall_[crossed.back()]) {
-            to = ++depth < kMostDetours ? detour(a, b, crossed.back(), tolerance, depth) : kNone;
-            if (to == kNone || (to != a && !add(a, to, odd, tolerance, depth))) return false;
-        } else {
+        auto [to, isStraight] = advance(a, b, crossed);
+        if (isStraight && !crossed.empty() && wall_[crossed.back()]) {
+            to = detour(a, b, crossed.back(), depth + 1);
+            isStraight = false;
+        }
+        if (isStraight) {
             flipAway(a, to, crossed);
             mark(edgeBetween(a, to), odd);
+        } else if (to == kNone || ++depth > kMostDetours || (to != a && !add(a, to, odd, depth))) {
+            return false;
         }
         a = to;
     }
     return true;
 }
 
+/// Whether the point is so near to the segment, between its ends, that it counts as on it.
+bool Delaunay::isNear(uint32_t point, uint32_t a, uint32_t b) const {
+    if (snap_ == 0 || point == a || point == b) return false;
+    const glm::dvec2 d = points_[b] - points_[a], p = points_[point] - points_[a];
+    const double along = glm::dot(p, d), length2 = glm::dot(d, d);
+    if (!(along > 0 && along < length2)) return false;
+    const double across = d.x * p.y - d.y * p.x;
+    return across * across <= snap_ * snap_ * length2;
+}
+
 /// First point on the way from a to b, and the edges crossed before it, each from right to left; the last one is a wall
-/// if the way ends there.
-uint32_t Delaunay::advance(uint32_t a, uint32_t b, std::vector<uint32_t>& crossed) const {
+/// if the way ends there. The step is not straight to a point that is only near the way.
+Delaunay::Step Delaunay::advance(uint32_t a, uint32_t b, std::vector<uint32_t>& crossed) const {
     const glm::dvec2 &from = points_[a], &to = points_[b];
     uint32_t e = leaving_[a];
     for (;; e = twin_[prev(e)]) {
         const uint32_t x = origin_[next(e)];
-        if (x == b) return b;
+        if (x == b) {
+            for (const uint32_t v : {origin_[prev(e)], origin_[prev(twin_[e])]})
+                if (isNear(v, a, b)) return {v, false};
+            return {b, true};
+        }
         const double side = turn(from, to, points_[x]);
-        if (side == 0 && glm::dot(points_[x] - from, to - from) > 0) return x;
+        if (side == 0 && glm::dot(points_[x] - from, to - from) > 0) return {x, true};
         if (side < 0 && turn(from, to, at(prev(e))) > 0) break;
     }
     for (e = next(e);;) {
+        for (const uint32_t v : {origin_[e], origin_[next(e)]})
+            if (isNear(v, a, b)) return {v, false};
         crossed.push_back(e);
-        if (wall_[e]) return kNone;
+        if (wall_[e]) return {kNone, true};
         const uint32_t t = twin_[e], d = origin_[prev(t)];
         const double side = turn(from, to, points_[d]);
-        if (d == b || side == 0) return d;
+        if (d == b || side == 0) return {d, true};
         // The twin runs from left to right: its next edge ends at d, where the one before it begins.
         e = side > 0 ? next(t) : prev(t);
     }
@@ -202,15 +224,16 @@ uint32_t Delaunay::advance(uint32_t a, uint32_t b, std::vector<uint32_t>& crosse
 
 /// A wall is in the way. If an end of either lies within the tolerance of the other, one of them makes a detour over
 /// that end. Returns where the way from a leads first (a itself if the wall gave way), or kNone.
-uint32_t Delaunay::detour(uint32_t a, uint32_t b, uint32_t wall, double tolerance, int depth) {
+uint32_t Delaunay::detour(uint32_t a, uint32_t b, uint32_t wall, int depth) {
+    if (depth > kMostDetours) return kNone;
     const uint32_t x = origin_[wall], y = origin_[next(wall)];
     for (const uint32_t end : {x, y})
-        if (distanceToSegment(points_[end], points_[a], points_[b]) <= tolerance) return end;
+        if (distanceToSegment(points_[end], points_[a], points_[b]) <= tolerance_) return end;
     for (const uint32_t end : {a, b})
-        if (distanceToSegment(points_[end], points_[x], points_[y]) <= tolerance) {
+        if (distanceToSegment(points_[end], points_[x], points_[y]) <= tolerance_) {
             const uint8_t odd = wall_[wall] & 1;
             wall_[wall] = wall_[twin_[wall]] = 0;
-            return add(x, end, odd, tolerance, depth) && add(end, y, odd, tolerance, depth) ? a : kNone;
+            return add(x, end, odd, depth) && add(end, y, odd, depth) ? a : kNone;
         }
     return kNone;
 }
@@ -252,22 +275,46 @@ void Delaunay::refine() {
     }
 }
 
-std::vector<uint32_t> Delaunay::insideOddWalls() const {
-    std::vector<int8_t> odd(origin_.size() / 3, -1);
-    const uint32_t outside = leaving_.back() / 3;
-    std::vector<uint32_t> front{outside}, corners;
-    odd[outside] = 0;
+std::vector<bool> Delaunay::isInside() const {
+    std::vector<bool> seen(origin_.size() / 3), inside(seen.size());
+    std::vector<uint32_t> front{leaving_.back() / 3};
+    seen[front[0]] = true;
     while (!front.empty()) {
         const uint32_t t = front.back();
         front.pop_back();
         for (uint32_t e = 3 * t; e < 3 * t + 3; ++e) {
-            if (odd[t]) corners.push_back(origin_[e]);
-            if (twin_[e] == kNone || odd[twin_[e] / 3] >= 0) continue;
-            odd[twin_[e] / 3] = int8_t(odd[t] ^ (wall_[e] & 1));
+            if (twin_[e] == kNone || seen[twin_[e] / 3]) continue;
+            seen[twin_[e] / 3] = true;
+            inside[twin_[e] / 3] = inside[t] != bool(wall_[e] & 1);
             front.push_back(twin_[e] / 3);
         }
     }
+    return inside;
+}
+
+std::vector<uint32_t> Delaunay::insideOddWalls() const {
+    const std::vector<bool> inside = isInside();
+    std::vector<uint32_t> corners;
+    for (uint32_t e = 0; e < origin_.size(); ++e)
+        if (inside[e / 3]) corners.push_back(origin_[e]);
     return corners;
+}
+
+std::vector<std::vector<uint32_t>> Delaunay::outlines() const {
+    const std::vector<bool> inside = isInside();
+    std::vector<bool> done(origin_.size());
+    std::vector<std::vector<uint32_t>> rings;
+    for (uint32_t first = 0; first < origin_.size(); ++first) {
+        if (done[first] || !inside[first / 3] || inside[twin_[first] / 3]) continue;
+        rings.emplace_back();
+        for (uint32_t e = first; !done[e];) {
+            done[e] = true;
+            rings.back().push_back(origin_[e]);
+            // Around the edge's end, through triangles inside, to the next edge.
+            for (e = next(e); inside[twin_[e] / 3];) e = next(twin_[e]);
+        }
+    }
+    return rings;
 }
 
 }  // namespace dapple::scenegen::city

@@ -101,11 +101,12 @@ Mesh footprintPrism(const Footprint& footprint, double joint) {
     const std::vector<std::array<uint32_t, 3>> triangles = triangulate(rings);
     Mesh mesh;
     if (triangles.empty()) return mesh;
+    const double bottom = footprint.base > 0 ? footprint.base : -0.5;
     for (const bool top : {false, true}) {
         const auto base = uint32_t(mesh.positions.size());
         for (const Ring& ring : rings)
             for (const glm::dvec2& p : ring) {
-                mesh.positions.emplace_back(p.x, p.y, top ? footprint.height : -0.5);
+                mesh.positions.emplace_back(p.x, p.y, top ? footprint.height : bottom);
                 mesh.normals.emplace_back(0, 0, top ? 1 : -1);
             }
         for (const auto& t : triangles)
@@ -114,7 +115,7 @@ Mesh footprintPrism(const Footprint& footprint, double joint) {
     for (const Ring& ring : rings)
         for (size_t i = 0; i < ring.size(); ++i) {
             const glm::dvec2 a = ring[i], b = ring[(i + 1) % ring.size()];
-            addFace(mesh, {{a, -0.5}, {b, -0.5}, {b, footprint.height}, {a, footprint.height}});
+            addFace(mesh, {{a, bottom}, {b, bottom}, {b, footprint.height}, {a, footprint.height}});
         }
     return mesh;
 }
@@ -144,16 +145,21 @@ void addFootprints(Scene& scene, const Footprints& footprints, int views, double
             for (Ring& ring : local.rings)
                 for (glm::dvec2& p : ring) p -= glm::dvec2(corner);
             // Outlines that overlap may share corners too: no two nearby have the same joint.
-            const Mesh prism = footprintPrism(local, kJoint * (1 + 0.1 * double(number % 16)));
+            const double joint = kJoint * (1 + 0.1 * double(number % 16));
+            Mesh prism = footprintPrism(local, joint);
+            if (prism.indices.empty()) prism = footprintPrism(local, joint / 32);  // thin places
             lost += prism.indices.empty();
             append(meshes[size_t(base::Random(seed, number++, kColourPurpose).next() * float(walls.size()))], prism);
         }
         for (size_t i = 0; i < meshes.size(); ++i) meshes[i].material = walls[i];
         addInstance(scene, addPrototype(scene, fmt::format("buildings {} {}", at.first, at.second), std::move(meshes)), corner, {1, 0});
     }
-    if (footprints.refused + lost + footprints.withoutHeight > 0)
-        base::logInfo(fmt::format("{} buildings; {} outlines refused; {} without a height stand {} m high", footprints.buildings.size() - lost, footprints.refused + lost, footprints.withoutHeight, kUsualHeight));
-
+    Notes notes = footprints.notes;
+    if (lost > 0) notes.add("outlines too thin for walls of their own are left out", "", lost);
+    for (std::string& note : notes.lines()) scene.notes.push_back(std::move(note));
+    if (footprints.withoutHeight > 0)
+        base::logInfo(fmt::format("{} buildings; {} without a height stand {} m high", footprints.buildings.size() - lost,
+                                  footprints.withoutHeight, kUsualHeight));
     addViews(scene, cells, half, views, fovY, seed);
 }
 

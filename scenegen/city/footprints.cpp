@@ -1,152 +1,150 @@
 #include "scenegen/city/footprints.h"
 
-#include "base/detmath.h"
 #include "base/error.h"
-#include "scenegen/city/triangulate.h"
+#include "scenegen/city/geojson.h"
+#include "scenegen/city/projection.h"
+#include "scenegen/city/tidy.h"
+#include "scenegen/import/budget.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 
 namespace dapple::scenegen::city {
 namespace {
-using Json = nlohmann::json;
 
-constexpr double kMetresPerDegree = 111'319.4908;  // of the equator of WGS 84
+struct Building {
+    std::vector<Ring> rings;
+    BuildingTags tags;
+};
 
-[[noreturn]] void fail(const std::string& name, const std::string& why) { throw base::UsageError(name + ": " + why); }
-
-/// A number, or the one that a text begins with ("12.5 m"); 0 if neither.
-double leadingNumber(const Json& value) {
-    if (value.is_number()) return value.get<double>();
-    double number = 0;
-    if (value.is_string()) {
-        const std::string& text = value.get_ref<const std::string&>();
-        std::from_chars(text.data(), text.data() + text.size(), number);
-    }
-    return number;
+double areaOf(const std::vector<Ring>& rings) {
+    double twice = 0;
+    for (const Ring& ring : rings) twice += twiceArea(ring);
+    return 0.5 * twice;
 }
 
-/// Metres; 0 when nothing says it, or nothing that a building could have.
-double heightOf(const Json& feature) {
-    const auto properties = feature.find("properties");
-    if (properties == feature.end() || !properties->is_object()) return 0;
-    for (const auto& [key, metres] : {std::pair("height", 1.0), {"render_height", 1.0}, {"building:levels", kStorey}, {"levels", kStorey}})
-        if (const auto at = properties->find(key); at != properties->end())
-            if (const double h = leadingNumber(*at) * metres; h > 0 && h < 2000) return h;
-    return 0;
-}
-
-Ring readRing(const Json& json, const std::string& name, size_t feature) {
-    if (!json.is_array()) fail(name, fmt::format("feature {}: a ring is not an array", feature));
-    Ring ring;
-    for (const Json& p : json) {
-        if (!p.is_array() || p.size() < 2 || !p[0].is_number() || !p[1].is_number()) fail(name, fmt::format("feature {}: a coordinate is not a pair of numbers", feature));
-        ring.emplace_back(p[0].get<double>(), p[1].get<double>());
-        if (!(std::abs(ring.back().x) < 1e9 && std::abs(ring.back().y) < 1e9)) fail(name, fmt::format("feature {}: a coordinate is beyond reason", feature));
-    }
-    return ring;
-}
-
-/// Without repeated corners and those within a millimetre of the line between their neighbours.
-Ring cleaned(const Ring& ring) {
-    Ring out;
-    for (const glm::dvec2& p : ring)
-        if (out.empty() || glm::distance(out.back(), p) > 0.02) out.push_back(p);
-    while (out.size() > 1 && glm::distance(out.back(), out.front()) <= 0.02) out.pop_back();
-    for (size_t i = 0; i < out.size() && out.size() > 3;) {
-        const glm::dvec2 a = out[(i + out.size() - 1) % out.size()], c = out[(i + 1) % out.size()], d = c - a;
-        const double length = std::sqrt(glm::dot(d, d));
-        if (length < 1e-9 || std::abs(d.x * (out[i].y - a.y) - d.y * (out[i].x - a.x)) > 1e-3 * length) ++i;
-        else out.erase(out.begin() + std::ptrdiff_t(i));
-    }
-    return out;
-}
-
-/// Rings turned the right way; empty if this is no building.
-std::vector<Ring> cleaned(const std::vector<Ring>& rings) {
-    std::vector<Ring> out;
-    for (const Ring& given : rings) {
-        Ring ring = cleaned(given);
-        const bool outer = out.empty();
-        if (ring.size() < 3 || std::abs(twiceArea(ring)) < 2 || !isSimple(ring)) {
-            if (outer) return {};
-            continue;
+/// A point within: the middle of the widest gap along a line across the outline that meets no corner.
+glm::dvec2 pointWithin(const std::vector<Ring>& rings) {
+    double lo = 1e300, hi = -1e300;
+    for (const glm::dvec2& p : rings[0]) lo = std::min(lo, p.y), hi = std::max(hi, p.y);
+    const double y = lo + 0.4837 * (hi - lo);
+    std::vector<double> crossings;
+    for (const Ring& ring : rings)
+        for (size_t i = 0; i < ring.size(); ++i) {
+            const glm::dvec2 a = ring[i], b = ring[(i + 1) % ring.size()];
+            if ((a.y > y) != (b.y > y)) crossings.push_back(a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y));
         }
-        if ((twiceArea(ring) > 0) != outer) std::reverse(ring.begin(), ring.end());
-        const auto apart = [&](const Ring& other) { return areApart(ring, other); };
-        if (!std::all_of(out.begin(), out.end(), apart)) continue;
-        // A courtyard lies within the outline and not within another courtyard.
-        const auto within = [&](const Ring& other) { return contains(other, ring[0]); };
-        if (!outer && (!within(out[0]) || std::any_of(out.begin() + 1, out.end(), within))) continue;
-        out.push_back(std::move(ring));
+    std::sort(crossings.begin(), crossings.end());
+    glm::dvec2 best(rings[0][0]);
+    double widest = -1;
+    for (size_t i = 0; i + 1 < crossings.size(); i += 2)
+        if (const double width = crossings[i + 1] - crossings[i]; width > widest)
+            widest = width, best = {0.5 * (crossings[i] + crossings[i + 1]), y};
+    return best;
+}
+
+/// Outlines in which parts lie go: the parts are the building.
+void replaceByParts(std::vector<Building>& buildings, Notes& notes) {
+    constexpr double kCell = 100;  // metres
+    const auto cellOf = [](double x) { return int(std::floor(x / kCell)); };
+    std::map<std::pair<int, int>, std::vector<size_t>> parts;
+    std::vector<glm::dvec2> within(buildings.size());
+    for (size_t i = 0; i < buildings.size(); ++i)
+        if (buildings[i].tags.isPart) {
+            within[i] = pointWithin(buildings[i].rings);
+            parts[{cellOf(within[i].x), cellOf(within[i].y)}].push_back(i);
+        }
+    if (parts.empty()) return;
+    std::vector<bool> replaced(buildings.size());
+    for (size_t k = 0; k < buildings.size(); ++k) {
+        const Building& building = buildings[k];
+        if (building.tags.isPart) continue;
+        glm::dvec2 lo(1e300), hi(-1e300);
+        for (const glm::dvec2& p : building.rings[0]) lo = glm::min(lo, p), hi = glm::max(hi, p);
+        double covered = 0;
+        for (int x = cellOf(lo.x); x <= cellOf(hi.x); ++x)
+            for (auto row = parts.lower_bound({x, cellOf(lo.y)}); row != parts.end() && row->first <= std::pair(x, cellOf(hi.y)); ++row)
+                for (const size_t i : row->second) {
+                    bool isIn = contains(building.rings[0], within[i]);
+                    for (size_t h = 1; h < building.rings.size(); ++h) isIn = isIn && !contains(building.rings[h], within[i]);
+                    if (isIn) covered += areaOf(buildings[i].rings), replaced[k] = true;
+                }
+        if (replaced[k] && covered < 0.5 * areaOf(building.rings))
+            notes.add("outlines are left out for parts that cover less than half of them");
     }
-    return out;
+    size_t kept = 0;
+    for (size_t k = 0; k < buildings.size(); ++k)
+        if (!replaced[k]) std::swap(buildings[kept++], buildings[k]);
+    buildings.resize(kept);
+}
+
+/// The polygon as buildings that can stand; several where it is cut in pieces by what it encloses.
+void addTidied(const Building& raw, std::vector<Building>& buildings, Footprints& out) {
+    Tidied tidy = tidied(raw.rings);
+    if (tidy.crosses) out.notes.add("outlines that cross themselves are left out");
+    if (tidy.smallParts > 0) out.notes.add("outlines of less than a square metre are left out", "", tidy.smallParts);
+    if (tidy.smallHoles > 0) out.notes.add("courtyards of less than a square metre are filled", "", tidy.smallHoles);
+    if (tidy.badHoles > 0) out.notes.add("courtyards that cross another outline or lie outside are filled", "", tidy.badHoles);
+    if (tidy.polygons.empty() && !tidy.crosses && tidy.smallParts == 0) out.notes.add("outlines without an area are left out");
+    if (tidy.polygons.empty()) ++out.refused;
+    for (std::vector<Ring>& rings : tidy.polygons) buildings.push_back({std::move(rings), raw.tags});
+}
+
+/// Two outlines with the same middle and area, to 10 cm, are one.
+bool isNew(const Building& building, std::set<std::tuple<int64_t, int64_t, int64_t, int64_t, bool>>& seen) {
+    glm::dvec2 sum(0);
+    for (const glm::dvec2& p : building.rings[0]) sum += p / double(building.rings[0].size());
+    const auto key = [](double x) { return int64_t(std::floor(x * 10)); };
+    return seen.insert({key(sum.x), key(sum.y), key(areaOf(building.rings)), key(building.tags.base), building.tags.isPart}).second;
 }
 
 }  // namespace
 
-Footprints parseFootprints(std::string_view text, const std::string& name, bool projected) {
-    const Json json = Json::parse(text, nullptr, false);
-    if (json.is_discarded()) fail(name, "not valid JSON");
-    const auto says = [](const Json& object, const char* type) { return object.contains("type") && object["type"] == type; };
-    if (!json.is_object() || !says(json, "FeatureCollection") || !json.contains("features") || !json["features"].is_array())
-        fail(name, "not a GeoJSON FeatureCollection");
-    struct Raw {
-        std::vector<Ring> rings;
-        double height;
-    };
-    std::vector<Raw> raw;
-    size_t number = 0;
-    for (const Json& feature : json["features"]) {
-        ++number;
-        if (!feature.is_object() || !feature.contains("geometry") || !feature["geometry"].is_object()) continue;
-        const Json& geometry = feature["geometry"];
-        const bool single = says(geometry, "Polygon");
-        if (!single && !says(geometry, "MultiPolygon")) continue;
-        if (!geometry.contains("coordinates") || !geometry["coordinates"].is_array()) fail(name, fmt::format("feature {}: a polygon without coordinates", number));
-        const Json polygons = single ? Json::array({geometry["coordinates"]}) : geometry["coordinates"];
-        for (const Json& polygon : polygons) {
-            if (!polygon.is_array()) fail(name, fmt::format("feature {}: a polygon is not an array of rings", number));
-            Raw r{{}, heightOf(feature)};
-            for (const Json& ring : polygon) r.rings.push_back(readRing(ring, name, number));
-            if (!r.rings.empty()) raw.push_back(std::move(r));
-        }
-    }
-    glm::dvec2 lo(1e300), hi(-1e300);
-    for (const Raw& r : raw)
-        for (const glm::dvec2& p : r.rings[0]) lo = glm::min(lo, p), hi = glm::max(hi, p);
-    if (raw.empty() || lo.x > hi.x) fail(name, "has no building: no polygon in it");
-    if (!projected && (std::max(std::abs(lo.x), std::abs(hi.x)) > 180 || std::max(std::abs(lo.y), std::abs(hi.y)) > 90))
-        fail(name, "its coordinates are no longitudes and latitudes; say projected = true if they are metres");
-    const glm::dvec2 middle = 0.5 * (lo + hi);
-    const glm::dvec2 unit = projected ? glm::dvec2(1) : kMetresPerDegree * glm::dvec2(base::det::cos(middle.y * base::det::kDegree), 1);
-    const glm::dvec2 size = (hi - lo) * unit;
-    if (std::max(size.x, size.y) > 100'000) fail(name, fmt::format("{:.0f} km from end to end; a city of at most 100 km was expected", std::max(size.x, size.y) / 1000));
-
+Footprints parseFootprints(std::string_view json, const std::string& name, bool projected) {
     Footprints out;
-    std::set<std::tuple<int64_t, int64_t, int64_t>> seen;
-    for (Raw& r : raw) {
-        for (Ring& ring : r.rings)
-            for (glm::dvec2& p : ring) p = (p - middle) * unit;
-        std::vector<Ring> rings = cleaned(r.rings);
-        glm::dvec2 sum(0);
-        if (!rings.empty())
-            for (const glm::dvec2& p : rings[0]) sum += p / double(rings[0].size());
-        const auto key = [](double x) { return int64_t(std::floor(x * 10)); };
-        if (rings.empty() || !seen.insert({key(sum.x), key(sum.y), rings.empty() ? 0 : key(twiceArea(rings[0]))}).second) {
-            ++out.refused;
-            continue;
-        }
-        out.withoutHeight += r.height == 0;
-        out.buildings.push_back({std::move(rings), r.height > 0 ? r.height : kUsualHeight});
+    Budget budget(name);
+    std::vector<Building> raw;
+    const auto keep = [&](std::vector<Ring> rings, const nlohmann::json& properties) {
+        size_t corners = 0;
+        for (const Ring& ring : rings) corners += ring.size();
+        budget.triangles(4 * corners);  // two of a wall, and floor and roof
+        budget.time();
+        BuildingTags tags = readBuildingTags(properties, out.notes);
+        if (tags.stands) raw.push_back({std::move(rings), tags});
+    };
+    const std::string named = readGeoJson(json, name, keep, out.notes);
+    if (raw.empty()) throw base::UsageError(name + ": has no building: no polygon in it");
+    std::vector<glm::dvec2*> points;
+    for (Building& building : raw)
+        for (Ring& ring : building.rings)
+            for (glm::dvec2& p : ring) points.push_back(&p);
+    const Crs crs = crsOf(named, projected, name);
+    if (projected && crs != Crs::metres) out.notes.add("projected = true is overruled by the crs that the file names", named);
+    projectToPlane(points, crs, name);
+
+    std::vector<Building> buildings;
+    std::set<std::tuple<int64_t, int64_t, int64_t, int64_t, bool>> seen;
+    for (const Building& building : raw) {
+        budget.time();
+        const size_t first = buildings.size();
+        addTidied(building, buildings, out);
+        if (buildings.size() == first || isNew(buildings[first], seen)) continue;
+        buildings.resize(first);
+        ++out.refused;
+        out.notes.add("outlines that are given twice are built once");
     }
-    if (out.buildings.empty()) fail(name, "has no building: every polygon crosses itself or is smaller than 1 m²");
+    replaceByParts(buildings, out.notes);
+    if (buildings.empty()) throw base::UsageError(name + ": has no building: every polygon crosses itself or is smaller than 1 m²");
+    for (Building& building : buildings) {
+        out.withoutHeight += !building.tags.knowsHeight;
+        out.buildings.push_back({std::move(building.rings), building.tags.height, building.tags.base});
+    }
     return out;
 }
 
