@@ -23,18 +23,6 @@ std::vector<MeasuredPoint> takeFront(std::vector<MeasuredPoint>& points) {
     return front;
 }
 
-/// The axes on which points of the same technique differ; all others would be noise.
-std::string distinguishingSettings(const PointSpec& spec, const Plan& plan) {
-    std::string text;
-    for (const auto& [axis, value] : spec.settings) {
-        const bool varies = std::any_of(plan.points.begin(), plan.points.end(), [&](const PlannedPoint& other) {
-            return other.spec.technique == spec.technique && other.spec.settings.at(axis) != value;
-        });
-        if (varies) text += fmt::format("{}{}={}", text.empty() ? "" : " ", axis, value);
-    }
-    return text;
-}
-
 }  // namespace
 
 std::vector<MeasuredPoint> measuredPoints(const std::filesystem::path& metricsCsv) {
@@ -79,7 +67,7 @@ std::string bestPointsTable(const std::vector<MeasuredPoint>& points, const Plan
     for (const MeasuredPoint& p : points) {
         const auto planned = std::find_if(plan.points.begin(), plan.points.end(), [&](const PlannedPoint& q) { return q.id == p.pointId; });
         if (planned == plan.points.end()) continue;
-        rows.push_back({planned->spec.technique, distinguishingSettings(planned->spec, plan), fmt::format("{:.3f} %", 100 * p.error),
+        rows.push_back({planned->spec.technique, plan.differing(planned->spec), fmt::format("{:.3f} %", 100 * p.error),
                         fmt::format("{:.2f} ms", p.frameMs), p.overUnshadowed ? fmt::format("{:.2f}", *p.overUnshadowed) : "",
                         p.textureBytes ? fmt::format("{:.1f} MiB", *p.textureBytes / 0x1p20) : ""});
     }

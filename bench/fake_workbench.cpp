@@ -3,7 +3,6 @@
 #include "base/random.h"
 #include "bench/plan.h"
 #include "bench/stress.h"
-#include "scenegen/library.h"
 
 #include <cmath>
 
@@ -73,13 +72,12 @@ private:
 
 class FakeWorkbench : public Workbench {
 public:
-    explicit FakeWorkbench(uint64_t seed) : seed_(seed) {}
+    FakeWorkbench(uint64_t seed, const shadow::Limits& limits) : seed_(seed), limits_(limits) {}
 
     std::string backend() const override { return "fake"; }
-    shadow::Limits limits() const override { return {}; }
+    shadow::Limits limits() const override { return limits_; }
     SceneFacts sceneFacts(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) override {
-        scenegen::Scene scene = scenegen::loadScene(name, settings);
-        if (!stress.empty()) stressCase(stress).apply(scene);
+        const scenegen::Scene scene = loadScene(name, settings, stress);
         SceneFacts facts{scene.facts(), scene.contentHash(), {}, scene.sun};
         for (const scenegen::View& view : scene.views) facts.views.push_back(view.name);
         return facts;
@@ -93,11 +91,12 @@ public:
 
 private:
     uint64_t seed_;
+    shadow::Limits limits_;
     Clock clock_ = std::make_shared<double>(0.0);
 };
 
 }  // namespace
 
-std::unique_ptr<Workbench> makeFakeWorkbench(uint64_t seed) { return std::make_unique<FakeWorkbench>(seed); }
+std::unique_ptr<Workbench> makeFakeWorkbench(uint64_t seed, const shadow::Limits& limits) { return std::make_unique<FakeWorkbench>(seed, limits); }
 
 }  // namespace dapple::bench

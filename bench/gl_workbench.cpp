@@ -5,7 +5,6 @@
 #include "base/hash.h"
 #include "bench/gl_point.h"
 #include "bench/stress.h"
-#include "scenegen/library.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -92,13 +91,7 @@ shadow::Limits GlWorkbench::limits() const { return {identity_.maxTextureSize, i
 
 std::shared_ptr<LoadedScene> GlWorkbench::load(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) {
     auto& entry = scenes_[sceneKey(name, settings, stress)];
-    if (!entry) {
-        scenegen::Scene scene = scenegen::loadScene(name, settings);
-        if (!stress.empty()) stressCase(stress).apply(scene);
-        scenegen::dropBadInstances(scene);
-        scenegen::validate(scene);
-        entry = std::make_shared<LoadedScene>(std::move(scene));
-    }
+    if (!entry) entry = std::make_shared<LoadedScene>(loadScene(name, settings, stress));
     return entry;
 }
 

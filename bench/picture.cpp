@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/file_name.h"
 #include "base/hash.h"
 #include "bench/light_picture.h"
 #include "frame/overlays.h"
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
+#include <fstream>
 
 namespace dapple::bench {
 namespace {
@@ -84,6 +86,17 @@ std::vector<base::ImageF> mapLayers(const frame::Frame& frame, const gl::Texture
 
 base::ImageF channel(std::vector<float> values, int width, int height) { return {width, height, 1, std::move(values)}; }
 
+/// Throws UsageError if the picture or its .json would replace an input, or the .json one that is no picture's.
+void requireReplaceable(const std::filesystem::path& picture, const std::filesystem::path& beside) {
+    for (const std::filesystem::path& written : {picture, beside}) base::requireNotAnInput(written);
+    if (!std::filesystem::exists(beside)) return;
+    std::ifstream stream(beside);
+    const json known = json::parse(stream, nullptr, false);
+    if (!known.is_object() || !known.contains("scene_hash") || !known.contains("light_matrices"))
+        throw base::UsageError(fmt::format("{} is not a picture's and would be replaced by the one that goes with {}; name another file with -o",
+                                           beside.string(), picture.string()));
+}
+
 }  // namespace
 
 std::span<const PictureKind> pictureKinds() { return kKinds; }
@@ -95,8 +108,10 @@ void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::str
     const std::string suffix = file.extension().string();
     if (suffix != ".png" && suffix != ".exr") throw base::UsageError(fmt::format("{}: a picture ends in .png or .exr", file.string()));
     const bool numbers = suffix == ".exr";
+    const std::filesystem::path beside = std::filesystem::path(file).replace_extension(".json");
 
     const auto shared = workbench.sharedFrame(spec);
+    requireReplaceable(file, beside);
     frame::Frame& frame = shared->frame;
     if (const auto reason = shadow::pruneReason(shadow::technique(spec.technique), spec.settings, shared->loaded->gpu.facts(), workbench.limits()))
         throw base::UsageError(fmt::format("{}: {}", spec.technique, *reason));
@@ -159,7 +174,7 @@ void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::str
     }
     if (numbers) base::writeExr(file, values);
     else base::writePng(file, picture);
-    base::writeFile(std::filesystem::path(file).replace_extension(".json"), sidecar(*shared, renderer, spec, what).dump(2) + "\n");
+    base::writeFile(beside, sidecar(*shared, renderer, spec, what).dump(2) + "\n");
 }
 
 }  // namespace dapple::bench

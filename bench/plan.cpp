@@ -2,9 +2,11 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/terminal.h"
 #include "bench/csv.h"
 
 #include <fmt/format.h>
+#include <re2/re2.h>
 
 #include <algorithm>
 #include <set>
@@ -39,18 +41,20 @@ void checkScene(const Sweep& sweep, const std::string& scene, const SceneFacts& 
 }  // namespace
 
 PointFilter::PointFilter(const std::vector<std::string>& patterns) {
+    re2::RE2::Options options;
+    options.set_case_sensitive(false);
+    options.set_log_errors(false);
     for (const std::string& pattern : patterns) {
-        try {
-            patterns_.emplace_back(pattern, std::regex::ECMAScript | std::regex::icase);
-        } catch (const std::regex_error&) {
-            throw base::UsageError(fmt::format("--filter '{}' is not a regular expression; write e.g. 'uniform|lispsm' or 'size=(512|1024)'", pattern));
-        }
+        patterns_.push_back(std::make_shared<const re2::RE2>(pattern, options));
+        if (!patterns_.back()->ok())
+            throw base::UsageError(fmt::format("--filter '{}' is no regular expression that RE2 takes ({}); write e.g. 'uniform|lispsm' or 'size=(512|1024)'",
+                                               base::shortened(pattern, 60), base::shortened(patterns_.back()->error(), 80)));
     }
 }
 
 bool PointFilter::accepts(const PointSpec& spec) const {
     const std::string text = fmt::format("{} {} {} {} {}", spec.scene, pointText(spec), spec.view, spec.stressCase, spec.variant);
-    return std::all_of(patterns_.begin(), patterns_.end(), [&](const std::regex& p) { return std::regex_search(text, p); });
+    return std::all_of(patterns_.begin(), patterns_.end(), [&](const auto& p) { return re2::RE2::PartialMatch(text, *p); });
 }
 
 std::string pointId(const PointSpec& spec, uint64_t sceneHash) {
@@ -92,6 +96,17 @@ std::vector<Comparison> Plan::comparisons() const {
         last = &spec;
     }
     return result;
+}
+
+std::string Plan::differing(const PointSpec& spec) const {
+    std::string text;
+    for (const auto& [axis, value] : spec.settings) {
+        const bool varies = std::any_of(points.begin(), points.end(), [&, &axis = axis, &value = value](const PlannedPoint& other) {
+            return other.spec.technique == spec.technique && other.spec.settings.at(axis) != value;
+        });
+        if (varies) text += fmt::format("{}{}={}", text.empty() ? "" : " ", axis, value);
+    }
+    return text;
 }
 
 std::string Plan::csv() const {

@@ -3,10 +3,12 @@
 #include "bench/sweep.h"
 #include "bench/workbench.h"
 
+#include <memory>
 #include <optional>
-#include <regex>
 #include <string>
 #include <vector>
+
+namespace re2 { class RE2; }
 
 /// The plan: every point of a sweep, in the order in which its rows stand in the files of a run.
 namespace dapple::bench {
@@ -31,21 +33,23 @@ struct Plan {
     std::optional<MotionPath> path = {};
 
     std::vector<Comparison> comparisons() const;
+    /// The settings in which points of the same technique differ: "filter=pcf3 size=1024".
+    std::string differing(const PointSpec& spec) const;
     std::string csv() const;   ///< text of plan.csv
     uint64_t hash() const;     ///< of the plan and of how it is sampled
 };
 
-/// Which points a person wants: every pattern must be found (regular expression, case ignored) in
-/// "scene technique axis=value … view stress variant".
+/// Which points a person wants: every pattern must be found (regular expression of RE2, case ignored) in
+/// "scene technique axis=value … view stress variant". Time and memory are bounded whatever the pattern.
 class PointFilter {
 public:
     PointFilter() = default;
-    /// Throws UsageError for a malformed pattern.
+    /// Throws UsageError for a malformed or too large pattern.
     explicit PointFilter(const std::vector<std::string>& patterns);
     bool accepts(const PointSpec& spec) const;
 
 private:
-    std::vector<std::regex> patterns_;
+    std::vector<std::shared_ptr<const re2::RE2>> patterns_;
 };
 
 std::string pointId(const PointSpec& spec, uint64_t sceneHash);

@@ -26,6 +26,10 @@ public:
           folder_(options, {plan.sweepName, base::hex16(plan.hash()), workbench.backend(), originOf(workbench.identityJson())}, comparisonOf()),
           progress_("run (%)", 100) {
         for (const Comparison& c : comparisons_) pointCount_ += c.points.size();
+        for (const PlannedPoint& point : plan.points) {
+            const std::string settings = plan.differing(point.spec);
+            labels_.push_back(point.spec.technique + (settings.empty() ? "" : " " + settings));
+        }
         if (pointCount_ < plan.points.size())
             base::logInfo(fmt::format("{} of {} points are pruned; plan.csv says why", plan.points.size() - pointCount_, plan.points.size()));
     }
@@ -65,7 +69,7 @@ private:
         std::vector<std::unique_ptr<OpenPoint>> open(count);
         const auto forEachPoint = [&](double shareBefore, double share, const auto& work) {
             for (size_t i = 0; i < count; ++i) {
-                report(index, shareBefore + share * static_cast<double>(i) / static_cast<double>(count), pointText(specOf(comparison, i)));
+                report(index, shareBefore + share * static_cast<double>(i) / static_cast<double>(count), labels_[comparison.points[i]]);
                 if (findings[i].failure.empty()) findings[i].failure = failureOf([&] { work(i); });
                 if (!findings[i].failure.empty()) open[i].reset();
             }
@@ -104,7 +108,7 @@ private:
         sampling.clockSeconds = workbench_.clock();
         auto results = measure::sample(subjects, sampling, [&](const measure::SamplingProgress& p) {
             const double share = p.blocksExpected > 0 ? static_cast<double>(p.blocksDone) / static_cast<double>(p.blocksExpected) : 0;
-            report(index, 0.2 + 0.6 * share, pointText(specOf(comparisons_[index], pointOf[p.arm])));
+            report(index, 0.2 + 0.6 * share, labels_[comparisons_[index].points[pointOf[p.arm]]]);
         });
         for (size_t a = 0; a < results.size(); ++a) {
             findings[pointOf[a]].failure = results[a].error;
@@ -179,6 +183,7 @@ private:
     std::vector<Comparison> comparisons_;
     RunFolder folder_;
     base::Progress progress_;
+    std::vector<std::string> labels_;  ///< of the planned points: what tells one from another, for the line of progress
     size_t pointCount_ = 0, finishedPoints_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "bench/stress.h"
 
 #include "base/error.h"
+#include "scenegen/library.h"
 
 #include <array>
 #include <limits>
@@ -109,6 +110,15 @@ const StressCase& stressCase(const std::string& name) {
         names.push_back(c.name);
     }
     throw base::UsageError(base::unknownName("stress case", name, names));
+}
+
+scenegen::Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& settings, const std::string& stress) {
+    Scene scene = scenegen::loadScene(nameOrFile, settings);
+    if (stress.empty()) return scene;
+    stressCase(stress).apply(scene);
+    scenegen::dropBadInstances(scene);
+    scenegen::validate(scene);
+    return scene;
 }
 
 }  // namespace dapple::bench

@@ -31,7 +31,7 @@ const PlannedPoint* planned(const Plan& plan, const std::string& id) {
 void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, Workbench& workbench, const RunOutcome& outcome, bool plot) {
     verifyManifest(folder);
     const std::vector<MeasuredPoint> measured = measuredPoints(fs::path(folder) / "metrics.csv");
-    std::vector<PointSpec> pictured;
+    std::vector<PlannedPoint> pictured;
     std::string tables;
     std::vector<std::pair<std::string, std::string>> places;  // scene and variant, in the plan's order
     for (const PlannedPoint& point : plan.points)
@@ -45,11 +45,11 @@ void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, 
         });
         if (points.empty()) continue;
         const std::vector<MeasuredPoint> best = bestPoints(points, kBest);
-        for (const MeasuredPoint& p : best) pictured.push_back(planned(plan, p.pointId)->spec);
+        for (const MeasuredPoint& p : best) pictured.push_back(*planned(plan, p.pointId));
         tables += fmt::format("\nThe best of {} points on {}{}, fastest first:\n{}", points.size(), scene, variant.empty() ? "" : " with " + variant, bestPointsTable(best, plan));
     }
     const fs::path pictures = fs::path(folder) / kPictures;
-    const bool drawn = !pictured.empty() && !renderPictures(pictures.string(), workbench, pictured).empty();
+    const bool drawn = !pictured.empty() && !renderPictures(pictures.string(), workbench, plan, pictured).empty();
     fmt::print("{}\n\n{}/metrics.csv\n{}", sweep.question, folder, drawn ? pictures.string() + "\n" : "");
     std::fflush(stdout);  // the script prints the names of the plots and the table behind it
     std::optional<base::Error> noPlot;

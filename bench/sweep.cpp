@@ -115,12 +115,12 @@ std::vector<SweepFile> listSweeps() {
 }
 
 Sweep readSweep(const std::string& nameOrPath) {
-    if (fs::exists(nameOrPath)) return parseSweep(base::readFile(nameOrPath), nameOrPath);
     std::vector<std::string> names;
     for (const SweepFile& sweep : listSweeps()) {
         if (sweep.name == nameOrPath) return parseSweep(base::readFile(sweep.path), sweep.path.string());
         names.push_back(sweep.name);
     }
+    if (fs::exists(nameOrPath)) return parseSweep(base::readFile(nameOrPath), nameOrPath);
     if (nameOrPath.ends_with(".toml") || nameOrPath.find('/') != std::string::npos)
         throw base::UsageError(fmt::format("there is no sweep file {}; name a file or one of: {}", nameOrPath, fmt::join(names, ", ")));
     throw base::UsageError(base::unknownName("sweep", nameOrPath, names));

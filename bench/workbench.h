@@ -79,6 +79,6 @@ public:
 };
 
 std::unique_ptr<Workbench> makeGlWorkbench(int device, const std::string& backend);  ///< device −1: automatic; backend "": by self-test
-std::unique_ptr<Workbench> makeFakeWorkbench(uint64_t seed);
+std::unique_ptr<Workbench> makeFakeWorkbench(uint64_t seed, const shadow::Limits& limits = {});
 
 }  // namespace dapple::bench

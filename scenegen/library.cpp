@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/file_name.h"
 #include "scenegen/import/import.h"
 #include "scenegen/recipe.h"
 
@@ -33,6 +34,7 @@ Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& s
     const fs::path given(nameOrFile), recipe = base::homeFolder() / "scenegen/scenes" / (nameOrFile + ".toml");
     const bool named = !given.empty() && !given.has_extension() && !given.has_parent_path();
     const auto read = [&](const fs::path& file) {
+        base::noteInput(file);
         if (file.extension() == ".toml") return readRecipe(file, settings);
         refuseSettings(nameOrFile, settings);
         return importFile(file);

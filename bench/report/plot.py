@@ -5,7 +5,6 @@ Work-precision diagrams (work_precision_<scene>_<size>.svg, .png, .pdf), for a s
 (stability.*), for a sweep with a [plot] its metric along x (<metric>_by_<x>_<scene>_<size>.*), for one with a [motion] frame times along its
 path (path_times_<scene>_<size>.*), and table.csv, table.md. Prints the paths that it wrote. The same input gives the same bytes.
 Exit codes: 2 not the folder of a run, 4 damaged or of another schema."""
-import re
 import sys
 from pathlib import Path
 
@@ -16,6 +15,7 @@ except ImportError as error:
     sys.exit(print(f"plot needs {error.name}: install python3-matplotlib and python3-pandas", file=sys.stderr) or 2)
 
 from curves import drawCurves  # noqa: E402
+from file_name import fileName  # noqa: E402
 from heat_map import drawHeatMap  # noqa: E402
 from path_times import drawPathTimes  # noqa: E402
 from results import ReportError, readRun  # noqa: E402
@@ -30,9 +30,12 @@ def writeText(path, text):
     return path
 
 
-def slug(text):
-    text = text.replace(" · ", "_").replace("×", "x")
-    return re.sub(r"[^A-Za-z0-9.-]+", "_", Path(text).name).strip("_")
+def stemOf(*names):
+    return "_".join(fileName(name) for name in names if name)
+
+
+def size(point):
+    return f"{point.width}x{point.height}" if point.width else ""
 
 
 def report(folder):
@@ -40,17 +43,20 @@ def report(folder):
     table = buildTable(run)
     paths = [writeText(folder / "table.csv", table.to_csv(index=False, lineterminator="\n")),
              writeText(folder / "table.md", markdown(run, table))]
-    if run.motion:
-        for place, points in run.points.groupby("place", sort=False):
-            paths += drawPathTimes(run, points, folder, folder / f"path_times_{slug(place)}")
+    for _, points in run.points.groupby("place", sort=False) if run.motion or run.plot else []:
+        first = points.iloc[0]
+        place = stemOf(first.scene, size(first))
+        if run.motion:
+            paths += drawPathTimes(run, points, folder, folder / f"path_times_{place}")
+        if run.plot:
+            paths += drawCurves(run, points, folder / f"{stemOf(run.plot['y'])}_by_{stemOf(run.plot['x'])}_{place}")
     if run.plot:
-        for place, points in run.points.groupby("place", sort=False):
-            paths += drawCurves(run, points, folder / f"{slug(run.plot['y'])}_by_{slug(run.plot['x'])}_{slug(place)}")
         return paths
     if run.stability:
         return paths + drawHeatMap(run, folder / "stability")
-    for group, points in run.points.groupby("group", sort=False):
-        paths += drawGroup(run, points, folder / f"work_precision_{slug(group)}")
+    for _, points in run.points.groupby("group", sort=False):
+        first = points.iloc[0]
+        paths += drawGroup(run, points, folder / f"work_precision_{stemOf(first.scene, first.variant, size(first))}")
     return paths
 
 

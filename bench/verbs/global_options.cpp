@@ -2,6 +2,8 @@
 #include "bench/verbs/verbs.h"
 #include "scenegen/import/file_access.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -14,7 +16,11 @@ void addGlobalOptions(CLI::App& app) {
         ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
     app.add_option("--backend", "timer: gpu_timestamp, gpu_elapsed, cpu_finish, or fake (no GL, invented times, for tests of the tool)")
         ->expected(1)
-        ->type_name("NAME");
+        ->type_name("NAME")
+        ->check([](const std::string& name) {
+            const bool known = std::ranges::find(timerNames(), name) != timerNames().end();
+            return known ? std::string() : base::unknownName("timer back-end", name, timerNames());
+        });
     app.add_flag_callback("--allow-outside", [] { scenegen::allowOutside(true); }, "let scene files read what lies outside their folders");
 }
 
@@ -25,12 +31,18 @@ GlobalOptions globalOptions(const CLI::App& app) {
     return options;
 }
 
+std::span<const std::string> timerNames() {
+    static const std::array<std::string, 4> kNames{"gpu_timestamp", "gpu_elapsed", "cpu_finish", "fake"};
+    return kNames;
+}
+
+void requireGl(const GlobalOptions& options, const std::string& verb) {
+    if (options.backend == "fake") throw base::UsageError(fmt::format("dapple {} draws pictures, and --backend fake draws none: leave it out", verb));
+}
+
 std::unique_ptr<Workbench> makeWorkbench(const CLI::App& app) {
-    static const std::array<std::string, 4> kBackends{"gpu_timestamp", "gpu_elapsed", "cpu_finish", "fake"};
     const GlobalOptions options = globalOptions(app);
     if (options.backend == "fake") return makeFakeWorkbench(1);
-    if (!options.backend.empty() && std::find(kBackends.begin(), kBackends.end(), options.backend) == kBackends.end())
-        throw base::UsageError(base::unknownName("timer back-end", options.backend, kBackends));
     return makeGlWorkbench(options.device, options.backend);
 }
 

@@ -9,91 +9,111 @@
 
 #include <CLI/Error.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace dapple::bench {
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
+using Json = nlohmann::ordered_json;
 
-Rows scenes() {
-    Rows rows;
+Json scenes() {
+    Json list = Json::array();
     for (const auto& entries : {scenegen::listScenes(), scenegen::listRealScenes()})
-        for (const scenegen::SceneEntry& s : entries) rows.push_back({s.name, s.description});
-    return rows;
+        for (const scenegen::SceneEntry& s : entries) list.push_back({{"name", s.name}, {"description", s.description}});
+    return list;
 }
 
-Rows techniques() {
-    Rows rows;
-    for (const shadow::TechniqueInfo& t : shadow::techniques()) {
-        std::string axes;
-        for (const auto& [axis, value] : t.defaults) axes += fmt::format("{}{}={}", axes.empty() ? "" : " ", axis, value);
-        rows.push_back({t.name, t.family, t.description});
-        if (!axes.empty()) rows.push_back({"", "", axes});
-    }
-    return rows;
+Json techniques() {
+    Json list = Json::array();
+    for (const shadow::TechniqueInfo& t : shadow::techniques())
+        list.push_back({{"name", t.name}, {"family", t.family}, {"description", t.description}, {"axes", t.defaults}});
+    return list;
 }
 
-Rows axes() {
-    Rows rows;
+Json axes() {
+    Json list = Json::array();
     for (const shadow::Axis& axis : shadow::axes()) {
-        std::string values;
-        for (const shadow::Axis::Value& v : axis.values) values += (values.empty() ? "" : ", ") + v.name;
-        if (axis.takesNumbers()) values += fmt::format("{}{} … {}", values.empty() ? "" : ", ", axis.lo, axis.hi);
-        rows.push_back({axis.name, values, axis.description});
+        Json names = Json::array();
+        for (const shadow::Axis::Value& v : axis.values) names.push_back(v.name);
+        if (axis.takesNumbers()) names.push_back(fmt::format("{} … {}", axis.lo, axis.hi));
+        list.push_back({{"name", axis.name}, {"values", names}, {"description", axis.description}});
     }
-    return rows;
+    return list;
 }
 
-Rows metricNames() {
-    Rows rows;
+Json metricNames() {
+    Json list = Json::array();
     for (const auto& table : {measure::metrics(), runMetrics()})
         for (const measure::MetricInfo& m : table)
-            rows.push_back({std::string(m.name), std::string(m.unit), std::string(betterName(m.better)),
-                            m.deterministic ? "deterministic" : "varies", std::string(m.description)});
-    return rows;
+            list.push_back({{"name", m.name}, {"unit", m.unit}, {"better", betterName(m.better)},
+                            {"repeats", m.deterministic ? "deterministic" : "varies"}, {"description", m.description}});
+    return list;
 }
 
-Rows sweeps() {
-    Rows rows;
-    for (const SweepFile& file : listSweeps()) rows.push_back({file.name, readSweep(file.path.string()).question});
-    return rows;
+Json sweeps() {
+    Json list = Json::array();
+    for (const SweepFile& file : listSweeps()) list.push_back({{"name", file.name}, {"question", readSweep(file.path.string()).question}});
+    return list;
 }
 
-Rows stress() {
-    Rows rows;
-    for (const StressCase& c : stressCases()) rows.push_back({c.name, c.description});
+Json stress() {
+    Json list = Json::array();
+    for (const StressCase& c : stressCases()) list.push_back({{"name", c.name}, {"description", c.description}});
+    return list;
+}
+
+/// A row for each item, a column for each of its keys; what an item maps, such as a technique's axes, stands in a row of its own.
+std::vector<std::vector<std::string>> rowsOf(const Json& list) {
+    std::vector<std::vector<std::string>> rows;
+    const auto texts = [](const Json& values, std::string_view between) { return fmt::format("{}", fmt::join(values.get<std::vector<std::string>>(), between)); };
+    for (const Json& item : list) {
+        std::vector<std::string> row;
+        std::string below;
+        for (const Json& value : item) {
+            if (value.is_object())
+                for (const auto& [key, own] : value.items()) below += fmt::format("{}{}={}", below.empty() ? "" : " ", key, own.get<std::string>());
+            else row.push_back(value.is_array() ? texts(value, ", ") : value.get<std::string>());
+        }
+        rows.push_back(row);
+        if (!below.empty()) rows.push_back({"", "", below});
+    }
     return rows;
 }
 
 struct Kind {
     std::string name;
-    Rows (*rows)();
+    Json (*items)();
 };
 const std::array kKinds{Kind{"scenes", scenes}, Kind{"techniques", techniques}, Kind{"axes", axes},
                         Kind{"metrics", metricNames}, Kind{"sweeps", sweeps}, Kind{"stress", stress}};
 
-void list(const std::string& name) {
-    std::vector<std::string> names;
-    for (const Kind& kind : kKinds) {
-        if (kind.name == name) {
-            fmt::print("{}", alignColumns(kind.rows()));
-            return;
-        }
-        names.push_back(kind.name);
-    }
-    throw base::UsageError(base::unknownName("list", name, names));
+void list(const std::string& name, bool asJson) {
+    const auto kind = std::ranges::find(kKinds, name, &Kind::name);
+    if (kind == kKinds.end()) throw base::UsageError(base::unknownName("list", name, listNames()));
+    const Json items = kind->items();
+    fmt::print("{}", asJson ? items.dump(2) + "\n" : alignColumns(rowsOf(items)));
 }
 
 }  // namespace
+
+std::vector<std::string> listNames() {
+    std::vector<std::string> names;
+    for (const Kind& kind : kKinds) names.push_back(kind.name);
+    return names;
+}
 
 void addList(CLI::App& app) {
     CLI::App* verb = app.add_subcommand("list", "List what is known: scenes, techniques, axes, metrics, sweeps, stress");
     auto what = std::make_shared<std::string>();
     verb->add_option("what", *what, "scenes, techniques, axes, metrics, sweeps or stress")->required();
-    verb->footer("Examples:\n  dapple list techniques\n  dapple list axes");
-    verb->callback([what] { list(*what); });
+    auto asJson = std::make_shared<bool>(false);
+    verb->add_flag("--json", *asJson, "as a JSON array of objects");
+    verb->footer("Examples:\n  dapple list techniques\n  dapple list axes --json");
+    verb->callback([what, asJson] { list(*what, *asJson); });
 }
 
 }  // namespace dapple::bench

@@ -25,9 +25,11 @@ void addRender(CLI::App& app) {
                  "  dapple render model.glb lispsm --what map -o map.exr");
     verb->callback([&app, point, what, file] {
         const GlobalOptions global = globalOptions(app);
-        // Pictures are not timed, so the timer needs no self-test.
-        GlWorkbench workbench(global.device, "cpu_finish");
-        renderPicture(workbench, point->spec(workbench), *what, *file);
+        requireGl(global, "render");
+        PointSpec spec = point->spec();
+        GlWorkbench workbench(global.device, "cpu_finish");  // pictures are not timed: the timer needs no self-test
+        if (spec.view.empty()) spec.view = workbench.sceneFacts(spec.scene, spec.sceneSettings, spec.stressCase).views.front();
+        renderPicture(workbench, spec, *what, *file);
         base::logInfo("wrote " + *file);
     });
 }

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/file_name.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +15,14 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t kMostTriangles = 50'000'000;  // about 6 GiB of text
+
+/// The image of each texture beside the .obj.
+std::vector<std::string> imageNames(const Scene& scene, const fs::path& path) {
+    std::vector<std::string> images;
+    for (size_t i = 0; i < scene.textures.size(); ++i)
+        images.push_back(fmt::format("{}-{}_{}.png", path.stem().string(), base::fileName(scene.textures[i].name), i));
+    return images;
+}
 
 /// Names in OBJ end at a blank.
 std::string word(std::string name) {
@@ -36,11 +45,8 @@ std::string mapOptions(const Scene& scene, const Texture& texture) {
 std::string materialName(const Scene& scene, size_t index) { return fmt::format("{}_{}", word(scene.materials[index].name), index); }
 
 std::string materials(const Scene& scene, const fs::path& path) {
-    std::vector<std::string> images;
-    for (size_t i = 0; i < scene.textures.size(); ++i) {
-        images.push_back(fmt::format("{}-{}_{}.png", path.stem().string(), word(scene.textures[i].name), i));
-        base::writePng(path.parent_path() / images.back(), scene.textures[i].image);
-    }
+    const std::vector<std::string> images = imageNames(scene, path);
+    for (size_t i = 0; i < images.size(); ++i) base::writePng(path.parent_path() / images[i], scene.textures[i].image);
     std::string mtl;
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& m = scene.materials[i];
@@ -60,6 +66,12 @@ std::string materials(const Scene& scene, const fs::path& path) {
 }
 
 }  // namespace
+
+std::vector<fs::path> objFiles(const Scene& scene, const fs::path& path) {
+    std::vector<fs::path> files{path, fs::path(path).replace_extension(".mtl")};
+    for (const std::string& image : imageNames(scene, path)) files.push_back(path.parent_path() / image);
+    return files;
+}
 
 void writeObj(const Scene& scene, const fs::path& path) {
     if (const size_t triangles = scene.facts().triangles; triangles > kMostTriangles)
@@ -96,8 +108,7 @@ void writeObj(const Scene& scene, const fs::path& path) {
             uvs += mesh.uvs.size();
         }
     }
-    fs::path beside = path;
-    base::writeFile(beside.replace_extension(".mtl"), materials(scene, path));
+    base::writeFile(fs::path(path).replace_extension(".mtl"), materials(scene, path));
     base::writeFile(path, text);
 }
 

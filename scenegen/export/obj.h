@@ -3,6 +3,7 @@
 #include "scenegen/scene.h"
 
 #include <filesystem>
+#include <vector>
 
 namespace dapple::scenegen {
 
@@ -10,5 +11,8 @@ namespace dapple::scenegen {
 /// every one is written out. Each file whole or not at all. Throws UsageError when one cannot be written, or when there
 /// are more than 50 million triangles.
 void writeObj(const Scene& scene, const std::filesystem::path& path);
+
+/// The files that writeObj() writes.
+std::vector<std::filesystem::path> objFiles(const Scene& scene, const std::filesystem::path& path);
 
 }  // namespace dapple::scenegen

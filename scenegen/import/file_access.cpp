@@ -1,6 +1,7 @@
 #include "scenegen/import/file_access.h"
 
 #include "base/error.h"
+#include "base/file_name.h"
 
 #include <fmt/format.h>
 
@@ -19,6 +20,7 @@ void allowOutside(bool allow) { everythingAllowed = allow; }
 bool outsideAllowed() { return everythingAllowed; }
 
 bool mayRead(const fs::path& folder, const fs::path& path) {
+    base::noteInput(path);
     if (everythingAllowed) return true;
     std::error_code error;
     const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);

@@ -51,6 +51,31 @@ struct ConfigTable::Impl {
     }
 };
 
+namespace {
+
+std::optional<size_t> indexOf(const std::string& step) {
+    if (step.empty() || step.size() > 8 || step.find_first_not_of("0123456789") != std::string::npos) return {};
+    return std::stoul(step);
+}
+
+/// What `step` names below a node: a key, or an index of an array of tables. What is missing is made, a table or an array of
+/// tables, so that a setting can reach what the file leaves out; finish() rejects it where nobody asks for it. nullptr: the
+/// node has nothing below it, or the index leaves a gap.
+toml::node* below(toml::node& node, const std::string& step, bool wantsArray, const std::string& source) {
+    toml::table made = toml::parse(wantsArray ? "v = []" : "v = {}", source);
+    if (toml::table* table = node.as_table()) {
+        if (!table->contains(step)) made.get("v")->visit([&](auto& empty) { table->insert(step, std::move(empty)); });
+        return table->get(step);
+    }
+    toml::array* array = node.as_array();
+    const std::optional<size_t> index = indexOf(step);
+    if (!array || !index || *index > array->size()) return nullptr;
+    if (*index == array->size()) made.get("v")->visit([&](auto& empty) { array->push_back(std::move(empty)); });
+    return array->get(*index);
+}
+
+}  // namespace
+
 ConfigTable::ConfigTable(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ConfigTable::ConfigTable(ConfigTable&&) noexcept = default;
 ConfigTable::~ConfigTable() = default;
@@ -82,26 +107,15 @@ void ConfigTable::set(const std::string& setting) {
         parsed = toml::parse(quoted.str(), name);
     }
 
+    std::vector<std::string> steps;
+    std::istringstream path(setting.substr(0, equals));
+    for (std::string step; std::getline(path, step, '.');) steps.push_back(step);
     toml::node* node = impl_->document.get();
-    std::string path = setting.substr(0, equals);
-    for (size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.')) {
-        const std::string step = path.substr(0, dot);
-        path.erase(0, dot + 1);
-        const bool index = !step.empty() && step.size() < 9 && step.find_first_not_of("0123456789") == std::string::npos;
-        toml::node* child = nullptr;
-        if (node->is_table()) child = node->as_table()->get(step);
-        if (node->is_array() && index) child = node->as_array()->get(size_t(std::stoul(step)));
-        if (!child) {
-            std::vector<std::string> known;
-            if (node->is_table())
-                for (const auto& [key, value_] : *node->as_table()) known.emplace_back(key.str());
-            throw UsageError(fmt::format("{}: {} in {}", name, unknownName("table", step, known), impl_->file));
-        }
-        node = child;
-    }
-    toml::table* table = node->as_table();
-    if (!table) throw UsageError(fmt::format("{}: '{}' is not within a table of {}", name, path, impl_->file));
-    parsed.get("v")->visit([&](auto& leaf) { table->insert_or_assign(path, std::move(leaf)); });
+    for (size_t i = 0; i + 1 < steps.size() && node; ++i)
+        node = below(*node, steps[i], i + 2 < steps.size() && indexOf(steps[i + 1]), name);
+    toml::table* table = node ? node->as_table() : nullptr;
+    if (!table) throw UsageError(fmt::format("{}: '{}' is not within a table of {}", name, steps.back(), impl_->file));
+    parsed.get("v")->visit([&](auto& leaf) { table->insert_or_assign(steps.back(), std::move(leaf)); });
 }
 
 bool ConfigTable::has(std::string_view key) const { return impl_->find(key) != nullptr; }

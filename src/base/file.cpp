@@ -1,6 +1,7 @@
 #include "base/file.h"
 
 #include "base/error.h"
+#include "base/file_name.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -35,6 +36,7 @@ std::string readFile(const fs::path& path) {
     if (fs::is_directory(path, ignored)) throw UsageError(fmt::format("{} is a folder, not a file", path.string()));
     std::ifstream in(path, std::ios::binary);
     if (!in) throw UsageError(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
+    noteInput(path);
     try {
         return {std::istreambuf_iterator<char>(in), {}};
     } catch (const std::ios_base::failure& e) {

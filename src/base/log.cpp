@@ -1,11 +1,14 @@
 #include "base/log.h"
 
+#include "base/terminal.h"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 
 namespace dapple::base {
 namespace {
@@ -19,33 +22,45 @@ std::string clockText(double seconds) {
     return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
+/// When the last line of any job was written where there is no terminal: a job within another must not double the lines.
+double lastPlainLine = -1e9;
+
+/// A terminal that cannot go back on its line is written to like a file.
+std::optional<size_t> redrawnColumns() {
+    const char* kind = std::getenv("TERM");
+    return kind && std::string_view(kind) == "dumb" ? std::nullopt : terminalColumns(STDERR_FILENO);
+}
+
 }  // namespace
 
 void logInfo(std::string_view line) { fmt::print(stderr, "{}\n", line); }
 void logWarning(std::string_view line) { fmt::print(stderr, "dapple: warning: {}\n", line); }
 
 Progress::Progress(std::string title, size_t total)
-    : title_(std::move(title)), total_(std::max<size_t>(total, 1)), terminal_(isatty(STDERR_FILENO) != 0),
-      startSeconds_(nowSeconds()), lastSeconds_(startSeconds_) {}
+    : title_(std::move(title)), total_(std::max<size_t>(total, 1)), startSeconds_(nowSeconds()), lastSeconds_(startSeconds_) {}
 
 Progress::~Progress() {
-    if (drawn_ && terminal_) fmt::print(stderr, "\r\x1b[K");
+    if (drawn_ && redrawnColumns()) fmt::print(stderr, "\r\x1b[K");
 }
 
 void Progress::update(size_t done, std::string_view detail) {
-    const double now = nowSeconds();
-    const double elapsed = now - startSeconds_;
-    if (elapsed < 2 || now - lastSeconds_ < (terminal_ ? 0.1 : 30.0)) return;
-    lastSeconds_ = now;
+    const double now = nowSeconds(), elapsed = now - startSeconds_;
+    const std::optional<size_t> columns = redrawnColumns();
+    const bool due = columns ? elapsed >= 2 && now - lastSeconds_ >= 0.1 : now - lastPlainLine >= 30;
+    if (!due) return;
+    (columns ? lastSeconds_ : lastPlainLine) = now;
     drawn_ = true;
     const double share = static_cast<double>(done) / static_cast<double>(total_);
     const std::string left = done > 0 ? clockText(elapsed / share - elapsed) : std::string("?");
-    if (terminal_) {
-        const auto filled = static_cast<size_t>(share * 24);
-        fmt::print(stderr, "\r\x1b[K{} [{}{}] {}/{}  {} elapsed, {} left  {}", title_, std::string(filled, '#'),
-                   std::string(24 - filled, '.'), done, total_, clockText(elapsed), left, detail);
+    const std::string count = fmt::format("{}/{}", done, total_);
+    if (columns) {
+        constexpr size_t kBar = 24;
+        const auto filled = static_cast<size_t>(std::clamp(share, 0.0, 1.0) * kBar);
+        const std::string bar = *columns >= 72 ? fmt::format(" [{}{}]", std::string(filled, '#'), std::string(kBar - filled, '.')) : "";
+        const std::string line = fmt::format("{}{} {}  {}, {} left  {}", title_, bar, count, clockText(elapsed), left, detail);
+        fmt::print(stderr, "\r\x1b[K{}", shortened(line, *columns - 1));  // the last column would start a new line
     } else {
-        fmt::print(stderr, "{}: {}/{}, {} elapsed, {} left {}\n", title_, done, total_, clockText(elapsed), left, detail);
+        fmt::print(stderr, "{}: {}, {} elapsed, {} left  {}\n", title_, count, clockText(elapsed), left, detail);
     }
     std::fflush(stderr);
 }

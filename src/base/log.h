@@ -1,16 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 namespace dapple::base {
 
-/// Everything a person reads while the program runs goes to stderr; stdout carries data only.
+/// Everything a person reads while the program runs goes to stderr; stdout carries data only. Nothing is coloured.
 void logInfo(std::string_view line);
 void logWarning(std::string_view line);
 
-/// Progress of one long job. On a terminal: a bar with an estimate of the time left, redrawn in place.
-/// Elsewhere: one plain line every 30 s. Silent until the job has taken two seconds.
+/// Progress of one long job. On a terminal: a bar with an estimate of the time left, redrawn on one line that fits its width,
+/// silent until the job has taken two seconds. Elsewhere: a plain line at once, then one every 30 s,
+/// however many jobs there are.
 class Progress {
 public:
     /// `total` steps of `what` ("points", "instances").
@@ -24,7 +26,6 @@ public:
 private:
     std::string title_;
     size_t total_;
-    bool terminal_;
     bool drawn_ = false;
     double startSeconds_;
     double lastSeconds_;

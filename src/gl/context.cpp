@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 
+#include <dlfcn.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 #include <fmt/format.h>
@@ -15,6 +16,23 @@
 
 namespace dapple::gl {
 namespace {
+
+/// libepoxy opens these on first use, and ends the process where it finds none: so we look first.
+void requireLibraries(bool egl) {
+    const auto found = [](const char* library) { return ::dlopen(library, RTLD_LAZY | RTLD_LOCAL) != nullptr; };  // epoxy needs it anyway
+    std::vector<std::string> missing, packages;
+    if (egl && !found("libEGL.so.1")) {
+        missing.push_back("libEGL.so.1");
+        packages.push_back("libegl1");
+    }
+    if (!found("libOpenGL.so.0") && !found("libGL.so.1")) {
+        missing.push_back("libOpenGL.so.0");
+        packages.push_back("libopengl0");
+    }
+    if (missing.empty()) return;
+    throw base::UsageError(fmt::format("{} cannot be loaded, so nothing can be drawn here: install the Debian packages {}, and a driver: libegl-mesa0 and "
+                                       "libgl1-mesa-dri for software rendering, or the GPU vendor's", fmt::join(missing, " and "), fmt::join(packages, " ")));
+}
 
 bool clientExtension(const char* name) { return epoxy_has_egl_extension(EGL_NO_DISPLAY, name); }
 
@@ -69,12 +87,14 @@ constexpr const char* kInstallHint =
 }  // namespace
 
 std::vector<DeviceInfo> listDevices() {
+    requireLibraries(true);
     std::vector<DeviceInfo> result;
     for (EGLDeviceEXT device : eglDevices()) result.push_back(describe(device, static_cast<int>(result.size())));
     return result;
 }
 
 Context Context::headless(int device) {
+    requireLibraries(true);
     const std::vector<EGLDeviceEXT> devices = eglDevices();
     std::vector<std::string> tried;
     Context result;
@@ -118,6 +138,7 @@ Context Context::window(int width, int height, const std::string& title) {
         return base::UsageError(fmt::format("{}: {}; a window needs a display (DISPLAY or WAYLAND_DISPLAY), `dapple render` does not",
                                             what, reason ? reason : "no reason given"));
     };
+    requireLibraries(false);
     if (!glfwInit()) throw fail("GLFW does not start");
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);

@@ -14,7 +14,7 @@ struct DeviceInfo {
     std::string description;  ///< DRM node or vendor's name
     bool software = false;
 };
-std::vector<DeviceInfo> listDevices();
+std::vector<DeviceInfo> listDevices();  ///< throws UsageError where EGL or GL is not installed
 
 /// An OpenGL 4.5 core context, current on the calling thread for its life. Movable, not copyable.
 class Context {

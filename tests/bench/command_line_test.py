@@ -3,42 +3,13 @@ import csv
 import os
 import signal
 import subprocess
-import sys
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
-DAPPLE = Path(sys.argv.pop(1)).resolve()
-SWEEP = """question = "?"
-scenes = ["box"]
-[[technique]]
-name = "uniform"
-size = [256, 512]
-"""
+from command_line import DAPPLE, SWEEP, CommandLine, dapple, program
 
 
-def dapple(*words, **options):
-    return subprocess.run([DAPPLE, "--backend", "fake", *map(str, words)], capture_output=True, text=True, timeout=120, **options)
-
-
-class CommandLine(unittest.TestCase):
-    def setUp(self):
-        self.keep = tempfile.TemporaryDirectory()
-        self.addCleanup(self.keep.cleanup)
-        self.folder = Path(self.keep.name)
-        self.sweep = self.folder / "small.toml"
-        self.sweep.write_text(SWEEP)
-
-    def refused(self, *words, says, code=2):
-        done = dapple(*words)
-        self.assertEqual(done.returncode, code, done.stderr)
-        self.assertEqual(done.stdout, "")
-        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
-        self.assertTrue(done.stderr.startswith("dapple: "), done.stderr)
-        for text in says:
-            self.assertIn(text, done.stderr)
-
+class RunsAndPlans(CommandLine):
     def write(self, text):
         path = self.folder / "bad.toml"
         path.write_text(text)
@@ -97,7 +68,7 @@ class CommandLine(unittest.TestCase):
         self.refused("run", self.sweep, "-o", out, "--resume", "-a", "size=64", says=["another plan"])
 
     def test_every_verb_has_help_with_an_example(self):
-        for verb in ("quick", "scene", "list", "plan", "run", "render", "plot", "doctor", "view", "bundle"):
+        for verb in ("quick", "scene", "list", "plan", "run", "render", "plot", "doctor", "view", "bundle", "help", "completion"):
             done = dapple(verb, "--help")
             self.assertEqual(done.returncode, 0, verb)
             self.assertIn(f"dapple {verb}", done.stdout)
