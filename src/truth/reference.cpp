@@ -19,6 +19,9 @@ constexpr double kGrazing = 0.02;  ///< smallest N · (−l) at which a shadow i
 constexpr float kDepthError = 2e-6f;
 /// Embree's hit distance is off by a few roundings of the triangle's size; this clears it.
 constexpr float kEdgeError = 1e-6f;
+/// Embree rounds a ray in the space of the prototype that it meets. All three starts are moved by this many ulps of the receiver's
+/// distance to the instance's origin: enough to clear its own triangle, without making the starts differ more.
+constexpr float kPlacementUlps = 1;
 /// Ray starts, in multiples of ε; where they disagree the label is ambiguous.
 constexpr float kOffsets[] = {1, 4, 16};
 
@@ -39,6 +42,10 @@ struct Packet {
     size_t pixel[kLanes] = {};
     glm::vec3 position[kLanes] = {}, normal[kLanes] = {};
     float epsilon[kLanes] = {};
+    float rounding[kLanes] = {};  ///< metres
+
+    /// Start of a lane's ray at offset kOffsets[k].
+    glm::vec3 start(int lane, size_t k) const { return position[lane] + (kOffsets[k] * epsilon[lane] + rounding[lane]) * normal[lane]; }
 };
 
 template <class Ray>
@@ -59,7 +66,7 @@ void setRay(Ray& ray, int lane, glm::vec3 start, glm::vec3 direction, float leng
 
 /// ε of each lane = 8 ulp(max |p|) + 1e-6 · edge of the triangle that holds the receiver + its depth error.
 /// The G-buffer does not name that triangle, so a short ray through the receiver along its normal finds
-/// it. A receiver that no caster holds has no triangle of its own to hit and needs no edge.
+/// it. A receiver that no caster holds has no triangle of its own to hit and needs no edge and no rounding.
 void setEpsilon(Packet& packet, const Occluders& occluders, const Occluders::Placement& placement) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -78,10 +85,9 @@ void setEpsilon(Packet& packet, const Occluders& occluders, const Occluders::Pla
         const Occluders::Instance& instance = placement.instances[probe.hit.instID[0][i]];
         const OccluderMesh& mesh = occluders.mesh(instance.prototype, probe.hit.geomID[i]);
         const glm::vec3 p = packet.position[i];
-        // Embree and the rasteriser round in the prototype's space too.
-        const float coordinate = std::max(largest(p), glm::distance(p, instance.translation));
-        packet.epsilon[i] = kDepthError * glm::length(p) + 8 * ulp(coordinate) +
-                            kEdgeError * instance.scale * mesh.longestEdge(probe.hit.primID[i]);
+        packet.epsilon[i] += kEdgeError * instance.scale * mesh.longestEdge(probe.hit.primID[i]);
+        // Embree moves the ray into the prototype's space and rounds it there, far from the origin more than at the receiver.
+        packet.rounding[i] = kPlacementUlps * ulp(glm::distance(p, instance.translation));
     }
 }
 
@@ -93,7 +99,7 @@ void label(Packet& packet, const Occluders& occluders, const Occluders::Placemen
             if (!packet.active[i]) continue;
             float shares[std::size(kOffsets)];
             for (size_t k = 0; k < std::size(kOffsets); ++k)
-                shares[k] = occluders.transmitted(placement, packet.position[i] + kOffsets[k] * packet.epsilon[i] * packet.normal[i], toSun);
+                shares[k] = occluders.transmitted(placement, packet.start(i, k), toSun);
             const bool agree = shares[0] == shares[1] && shares[1] == shares[2];
             labels[packet.pixel[i]] = !agree ? Label::ambiguous : shares[0] >= 0.5f ? Label::lit : Label::shadowed;
             reference.transmitted[packet.pixel[i]] = shares[0];
@@ -105,10 +111,9 @@ void label(Packet& packet, const Occluders& occluders, const Occluders::Placemen
     // Not RTC_INTERSECT_CONTEXT_FLAG_COHERENT: with it, rtcOccluded16 of Embree 3.13.5 (AVX-512) was seen
     // never to return, on a box as on a forest.
     int blocked[kLanes] = {};
-    for (const float offset : kOffsets) {
+    for (size_t k = 0; k < std::size(kOffsets); ++k) {
         alignas(64) RTCRay16 ray;
-        for (int i = 0; i < kLanes; ++i)
-            setRay(ray, i, packet.position[i] + offset * packet.epsilon[i] * packet.normal[i], toSun, std::numeric_limits<float>::infinity());
+        for (int i = 0; i < kLanes; ++i) setRay(ray, i, packet.start(i, k), toSun, std::numeric_limits<float>::infinity());
         rtcOccluded16(packet.active, placement.scene.get(), &context, &ray);
         for (int i = 0; i < kLanes; ++i) blocked[i] += ray.tfar[i] < 0;  // Embree marks a hit with −∞
     }
@@ -192,7 +197,7 @@ std::vector<uint32_t> Tracer::contributors(const Receivers& receivers, const glm
         setEpsilon(packet, occluders, placement);
         std::vector<uint32_t> met;
         for (int i = 0; i < kLanes; ++i)
-            if (packet.active[i]) occluders.blockers(placement, packet.position[i] + kOffsets[1] * packet.epsilon[i] * packet.normal[i], glm::vec3(toSun), met);
+            if (packet.active[i]) occluders.blockers(placement, packet.start(i, 1), glm::vec3(toSun), met);
         for (const uint32_t placed : met) contributes[placed] = true;
     });
     std::vector<uint32_t> instances;

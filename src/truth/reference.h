@@ -43,8 +43,9 @@ struct Reference {
 ///
 /// Rays run from the receiver to the sun, the start offset along the geometric normal by
 ///     ε = 8 ulp(max |p|) + 1e-6 · edge + 2e-6 · distance from the eye
-/// (rounding of coordinates, both eye-relative and in the prototype; of Embree's hit with the receiver's
-/// own triangle, whose longest edge it is; of the depth buffer the receiver came from), by 4 ε and by 16 ε.
+/// (rounding of the receiver's coordinates; of Embree's hit with the receiver's own triangle, whose longest edge
+/// it is; of the depth buffer the receiver came from), by 4 ε and by 16 ε. A receiver on a caster starts one ulp of its
+/// distance to that instance's origin farther in all three cases, because Embree rounds in the prototype's space.
 /// 3 m from the eye ε is some 10 µm and 16 ε 0.2 mm, well below a pixel: contact shadows are kept.
 class Tracer {
 public:

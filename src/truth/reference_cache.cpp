@@ -17,7 +17,7 @@ namespace dapple::truth {
 namespace {
 
 /// To be raised whenever trace() may give another label for the same input: old entries are then not found.
-constexpr uint32_t kTracerVersion = 1;
+constexpr uint32_t kTracerVersion = 2;
 
 struct Header {
     char magic[8] = {'d', 'a', 'p', 'p', 'l', 'e', 'G', '1'};

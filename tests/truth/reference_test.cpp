@@ -197,6 +197,77 @@ TEST(ReferenceTest, SlopedCasterDoesNotShadowItself) {
         }
 }
 
+/// A sloped ground of triangles a metre long about `centre`, 60 m along a side, its vertices relative to `origin`.
+scenegen::Scene groundAbout(const dvec3& centre, const dvec3& origin, scenegen::Mesh& ground) {
+    constexpr int kCells = 60;
+    std::vector<dvec3> positions;
+    std::vector<uint32_t> indices;
+    for (int y = 0; y <= kCells; ++y)
+        for (int x = 0; x <= kCells; ++x) positions.push_back(centre - origin + dvec3(x, y, 0.1 * x - 0.05 * y) - 0.5 * kCells * dvec3(1, 1, 0.05));
+    for (uint32_t y = 0; y < kCells; ++y)
+        for (uint32_t x = 0; x < kCells; ++x) {
+            const uint32_t a = y * (kCells + 1) + x, b = a + kCells + 1;
+            indices.insert(indices.end(), {a, a + 1, b + 1, a, b + 1, b});
+        }
+    ground = meshOf(positions, indices);
+    scenegen::Scene scene = sceneOf({ground});
+    scene.instances[0].translation = origin;
+    return scene;
+}
+
+/// A point in each triangle as its floats have it.
+std::vector<Point> pointsOn(const scenegen::Mesh& mesh, const dvec3& origin) {
+    std::vector<Point> points;
+    for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+        const dvec3 a(mesh.positions[mesh.indices[i]]), b(mesh.positions[mesh.indices[i + 1]]), c(mesh.positions[mesh.indices[i + 2]]);
+        points.push_back({origin + (a * 0.31 + b * 0.42 + c * 0.27), glm::normalize(glm::cross(b - a, c - a))});
+    }
+    return points;
+}
+
+// Embree rounds a ray in the space of the prototype that it meets, however near the receiver is to the eye.
+TEST(ReferenceTest, ReceiversFarFromTheirInstancesOriginDoNotShadowThemselves) {
+    for (const dvec3& centre : {dvec3(90, 55, 7), dvec3(5000, -3000, 40), dvec3(-30000, 30000, 500)}) {
+        scenegen::Mesh ground;
+        const Tracer tracer(groundAbout(centre, dvec3(0), ground));
+        const Patch patch = patchOf(pointsOn(ground, dvec3(0)), 60, centre + dvec3(0.3, -0.2, 1.8), 1e-6);
+        for (const dvec3& light : suns()) {
+            const Reference g = tracer.trace(patch.receivers, centre + dvec3(0.3, -0.2, 1.8), light);
+            size_t wrong = 0;
+            for (size_t i = 0; i < patch.points.size(); ++i) wrong += glm::dot(patch.points[i].normal, -light) > 0.021 && g.label[i] == Label::shadowed;
+            EXPECT_EQ(wrong, 0u) << centre.x;
+        }
+    }
+}
+
+// The width of the band that no reference can decide follows from the receiver, not from where its mesh has its origin.
+TEST(ReferenceTest, OriginOfAMeshDoesNotMakeReceiversAmbiguous) {
+    std::vector<size_t> ambiguous;
+    for (const double away : {0.0, 105.0, 1050.0}) {
+        scenegen::Mesh ground;
+        const dvec3 origin(away, away / 2, 0), eye(0.3, -0.2, 1.8), lo(-0.02, -0.02, -1), hi(0.02, 0.02, 1);
+        scenegen::Scene scene = groundAbout(dvec3(0), origin, ground);
+        scene.prototypes.push_back({"post", {boxMesh(lo, hi)}, true, false});
+        scene.instances.push_back({vec3(0), 1, 0, 1});
+        // Points of one triangle about the end of the post's shadow, an eighth of a millimetre apart.
+        std::vector<Point> points;
+        const dvec3 light = scenegen::Sun{200, 40}.direction();
+        const dvec3 normal = glm::normalize(dvec3(-0.1, 0.05, 1));
+        for (int i = 0; i < 160 * 160; ++i) {
+            const dvec2 at(0.42 + (i % 160 - 80) * 0.125e-3, 1.157 + (i / 160 - 80) * 0.125e-3);
+            points.push_back({{at, 0.1 * at.x - 0.05 * at.y}, normal});
+        }
+        const Patch patch = patchOf(points, 160, eye);
+        const Reference g = Tracer(scene).trace(patch.receivers, eye, light);
+        ambiguous.push_back(size_t(std::ranges::count(g.label, Label::ambiguous)));
+        EXPECT_GT(std::ranges::count(g.label, Label::lit), 1000);
+        EXPECT_GT(std::ranges::count(g.label, Label::shadowed), 1000);
+    }
+    EXPECT_GT(ambiguous[0], 50u);
+    EXPECT_LT(double(ambiguous[1]), 1.3 * double(ambiguous[0]));
+    EXPECT_LT(double(ambiguous[2]), 1.3 * double(ambiguous[0]));
+}
+
 TEST(ReferenceTest, ContactShadowOfFiveMillimetresIsKept) {
     const dvec3 lo(-0.02, -0.02, 0), hi(0.02, 0.02, 0.005), eye(0.5, -2.5, 1.6);
     scenegen::Scene scene = sceneOf({boxMesh(lo, hi), meshOf({{-5, -5, 0}, {5, -5, 0}, {5, 5, 0}, {-5, 5, 0}}, {0, 1, 2, 0, 2, 3})});
