@@ -48,7 +48,7 @@ public:
         const double error = hasMap() ? costMs_ / (4 * sizeOf(spec_)) : 0.3;
         return {{"", "error", "", "lower", error, ""},
                 {"", "edge_mean", "px", "lower", hasMap() ? std::optional(1000 * error) : std::nullopt, ""},
-                {"", "reference_floor", "", "none", 1e-5, ""}};
+                {"", "half_pixel_sensitivity", "", "none", 1e-5, ""}};
     }
     std::vector<PassNote> leftOut() const override {
         if (hasMap()) return {};

@@ -229,15 +229,14 @@ private:
     /// Of the frame as it is, rendered once more: of each sun, in rows of its own where there are several, and their means.
     std::vector<Figure> errorsOfFrame() {
         const size_t suns = shared_->frame.suns();
-        std::vector<const truth::Reference*> references;
-        for (size_t sun = 0; sun < suns; ++sun) references.push_back(&shared_->reference(sun));  // it renders, too
+        for (size_t sun = 0; sun < suns; ++sun) shared_->halfPixelSensitivity(sun);  // it renders, as the reference does
         frame::PassObserver silent;
         renderer_.render(silent);
-        std::vector<Figure> means = errorsOf(*references[0], renderer_.visibility());
+        std::vector<Figure> means = errorsOf(0);
         if (suns == 1) return means;
         std::vector<Figure> figures;
         for (size_t sun = 0; sun < suns; ++sun) {
-            std::vector<Figure> own = errorsOf(*references[sun], renderer_.visibility(sun));
+            std::vector<Figure> own = errorsOf(sun);
             for (size_t i = 0; i < own.size(); ++i) {
                 own[i].pass = fmt::format("sun {}", sun + 1);
                 if (sun == 0) continue;
@@ -253,7 +252,9 @@ private:
         return figures;
     }
 
-    static std::vector<Figure> errorsOf(const truth::Reference& reference, const std::vector<float>& visibility) {
+    std::vector<Figure> errorsOf(size_t sun) {
+        const truth::Reference& reference = shared_->reference(sun);
+        const std::vector<float> visibility = renderer_.visibility(sun);
         const bool finite = std::all_of(visibility.begin(), visibility.end(), [](float v) { return std::isfinite(v); });
         const truth::ErrorMetrics e = truth::measureError(reference, visibility);
         const std::string flags = finite ? "" : "nonfinite";
@@ -270,7 +271,7 @@ private:
         add("edge_mean", e.edgeMean);
         add("edge_p95", e.edgeP95);
         add("edge_max", e.edgeMax);
-        add("reference_floor", truth::referenceFloor(reference));
+        add("half_pixel_sensitivity", shared_->halfPixelSensitivity(sun));
         add("valid", e.valid);
         add("ambiguous", e.ambiguous);
         add("shadowed", e.shadowed);

@@ -5,6 +5,7 @@
 #include "base/hash.h"
 #include "bench/gl_point.h"
 #include "bench/stress.h"
+#include "truth/metrics.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -56,23 +57,36 @@ const std::vector<uint32_t>& SharedFrame::contributors(size_t sun) {
     return known->second;
 }
 
+truth::Reference SharedFrame::trace() {
+    const truth::Receivers seen = receivers();
+    // No direct light at all: nothing that a technique could get right or wrong.
+    if (!frame.sunUp()) return {seen.width, seen.height, std::vector<truth::Label>(seen.present.size(), truth::Label::excluded), {}};
+    base::Hasher content;  // receivers in sight do not tell where casters out of sight are
+    content.value(loaded->hash);
+    content.value(loaded->scene.time);
+    const uint64_t hash = loaded->scene.time == loaded->start ? loaded->hash : content.digest();
+    return truth::cachedReference(*loaded->tracer, hash, seen, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
+}
+
 const truth::Reference& SharedFrame::reference(size_t sun) {
     const frame::OfSun guard(frame, sun);
     const std::pair key{pathFrame, sun};
     if (const auto known = traced.find(key); known != traced.end()) return known->second;
-    const truth::Receivers seen = receivers();
-    truth::Reference reference;
-    if (!frame.sunUp()) {
-        // No direct light at all: nothing that a technique could get right or wrong.
-        reference = {seen.width, seen.height, std::vector<truth::Label>(seen.present.size(), truth::Label::excluded), {}};
-    } else {
-        base::Hasher content;  // receivers in sight do not tell where casters out of sight are
-        content.value(loaded->hash);
-        content.value(loaded->scene.time);
-        const uint64_t hash = loaded->scene.time == loaded->start ? loaded->hash : content.digest();
-        reference = truth::cachedReference(*loaded->tracer, hash, seen, frame.camera().eye, frame.light(), base::cacheFolder() / "reference");
+    return traced.emplace(key, trace()).first->second;
+}
+
+double SharedFrame::halfPixelSensitivity(size_t sun) {
+    const std::pair key{pathFrame, sun};
+    if (const auto known = sensitivities.find(key); known != sensitivities.end()) return known->second;
+    const truth::Reference& here = reference(sun);
+    const frame::OfSun guard(frame, sun);
+    std::vector<truth::Reference> shifted;
+    for (const glm::dvec2& pixels : {glm::dvec2(0.5, 0), glm::dvec2(0, 0.5)}) {
+        frame.shiftBy(pixels);
+        shifted.push_back(trace());
     }
-    return traced.emplace(key, std::move(reference)).first->second;
+    frame.shiftBy({0, 0});
+    return sensitivities[key] = truth::halfPixelSensitivity(here, shifted);
 }
 
 GlWorkbench::GlWorkbench(int device, const std::string& backend)

@@ -33,6 +33,7 @@ struct SharedFrame {
     scenegen::View view;                     ///< as the scene has it
     /// By frame of the path and sun.
     std::map<std::pair<int, size_t>, truth::Reference> traced;
+    std::map<std::pair<int, size_t>, double> sensitivities;
     std::map<std::pair<int, size_t>, std::vector<uint32_t>> contributing;
     int pathFrame = 0;
 
@@ -44,7 +45,12 @@ struct SharedFrame {
     const std::vector<uint32_t>& contributors(size_t sun = 0);
     /// The ray-traced truth of this frame, under a sun as it is now; from the cache where it is there.
     const truth::Reference& reference(size_t sun = 0);
+    /// truth::halfPixelSensitivity() of that truth, half a pixel to the right and half a pixel upwards. Renders two G-buffers.
+    double halfPixelSensitivity(size_t sun = 0);
     truth::Receivers receivers();  ///< of a G-buffer pass of its own
+
+private:
+    truth::Reference trace();  ///< of the G-buffer and the sun as they are
 };
 
 class GlWorkbench final : public Workbench {

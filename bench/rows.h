@@ -12,7 +12,7 @@
 /// The rows of metrics.csv and samples.csv. results/SCHEMA.md says what each column means.
 namespace dapple::bench {
 
-inline constexpr const char* kSchema = "1.0";
+inline constexpr const char* kSchema = "2.0";
 
 inline const std::array<std::string, 21> kMetricsColumns{
     "schema", "run_id", "point_id", "scene", "technique", "view", "pass", "metric", "unit", "better", "n",

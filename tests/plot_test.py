@@ -43,7 +43,7 @@ class FakeRun:
         point = f"{len(self.plan):016x}"
         self.plan.append({"point_id": point, "shard": "1", "status": status, "reason": reason, "scene": scene,
                           "technique": technique, "view": view, "width": "1024", "height": "768", "stress": stress, "variant": variant, **axes})
-        base = {"schema": "1.0", "run_id": "r", "point_id": point, "scene": scene, "technique": technique, "view": view,
+        base = {"schema": "2.0", "run_id": "r", "point_id": point, "scene": scene, "technique": technique, "view": view,
                 "backend": "cpu_finish", "status": "failed" if failed else "ok", "flags": failed}
         add = lambda metric, value, **more: self.metrics.append({**base, "metric": metric, "median": value, **more})
         if failed:
@@ -58,7 +58,7 @@ class FakeRun:
             add("false_shadow", error / 4)
             add("false_light", error * 3 / 4)
             add("edge_p95", 1.5)
-            add("reference_floor", floor)
+            add("half_pixel_sensitivity", floor)
             add("texture_bytes", bytesOf)
             add("mean_absolute", error / 2)
         if fallback:
@@ -74,7 +74,7 @@ class FakeRun:
                 if c not in ("point_id", "shard", "status", "reason", "scene", "technique")]
         writeCsv(folder / "plan.csv", ["point_id", "shard", "status", "reason", "scene", "technique", *axes], self.plan)
         writeCsv(folder / "metrics.csv", METRIC_COLUMNS, self.metrics)
-        info = {"schema": "1.0", "gl": {"renderer": "llvmpipe (LLVM 15.0.6, 256 bits)"}}
+        info = {"schema": "2.0", "gl": {"renderer": "llvmpipe (LLVM 15.0.6, 256 bits)"}}
         if plot is not None:
             info["plot"] = plot
         (folder / "run.json").write_text(json.dumps(info))
@@ -138,7 +138,7 @@ def testDrawing(top):
     if done.returncode:
         return
     svg = (folder / "work_precision_forest-small_1024x768.svg").read_text()
-    for text in ("uniform", "instanced", "Pareto front", "reference floor", "unshadowed 25 ms", "bare 40 ms", "view far",
+    for text in ("uniform", "instanced", "Pareto front", "half-pixel sensitivity", "unshadowed 25 ms", "bare 40 ms", "view far",
                  "software rasteriser: llvmpipe", "Failed: cascaded 4096", "oom", "invalid frame_time (lost)", "beyond this GL", "error 0 (see note)",
                  "flagged (see table)"):
         check(f"the diagram says '{text}'", f"<!-- {text}" in svg or text in svg.replace("-->", ""), "not in the SVG")
@@ -312,8 +312,8 @@ def testRefusals(top):
     refuse("no-column", 4, "no column technique", edit("plan.csv", ",technique,", ",tecnique,"))
     refuse("binary", 4, "metrics.csv is damaged", lambda folder: (folder / "metrics.csv").write_bytes(b"\xff\xfe\x00\x01" * 9))
     refuse("torn-json", 4, "run.json is damaged", lambda folder: (folder / "run.json").write_text('{"schema": "1'))
-    refuse("future-schema", 4, "schema '2.0'", edit("run.json", '"1.0"', '"2.0"'))
-    refuse("future-metrics", 4, "schema '2.0'", edit("metrics.csv", "\n1.0,", "\n2.0,"))
+    refuse("future-schema", 4, "schema '3.0'", edit("run.json", '"2.0"', '"3.0"'))
+    refuse("future-metrics", 4, "schema '3.0'", edit("metrics.csv", "\n2.0,", "\n3.0,"))
     refuse("not-a-number", 4, "'fast'", edit("metrics.csv", ",40.0,", ",fast,"))
     refuse("unknown-point", 4, "which is not in", edit("metrics.csv", f"{0:016x}", "f" * 16))
     refuse("no-points", 4, "has no points", lambda folder: (folder / "plan.csv").write_text(

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pandas
 
-SCHEMA_MAJOR = "1"
+SCHEMA_MAJOR = "2"
 BASELINES = ("unshadowed", "bare")  # frames without shadows: the yardsticks of the others
 # Columns of plan.csv that are not axes of a technique.
 PLAN_COLUMNS = ("point_id", "shard", "status", "reason", "scene", "technique")
 PLACE_COLUMNS = ("view", "width", "height", "stress", "variant")
 METRIC_COLUMNS = ("schema", "point_id", "pass", "metric", "median", "ci_lo", "ci_hi", "backend", "status", "flags")
 # Whole-frame figures that the report shows; one that a run does not have stays empty.
-FIGURES = ("error", "reference_floor", "false_shadow", "false_light", "edge_p95", "texture_bytes",
+FIGURES = ("error", "half_pixel_sensitivity", "false_shadow", "false_light", "edge_p95", "texture_bytes",
            "to_unshadowed", "to_bare")
 
 

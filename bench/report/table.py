@@ -19,7 +19,7 @@ def buildTable(run):
         quotient = points.frame_ms / yardstick.reindex(own).to_numpy()
         table[f"to_{baseline}"] = points[f"to_{baseline}"].fillna(quotient)
     table["shadow_to_standard"] = shadowCosts(points, table.to_unshadowed)
-    for name in ("error", "reference_floor", "false_shadow", "false_light", "edge_p95"):
+    for name in ("error", "half_pixel_sensitivity", "false_shadow", "false_light", "edge_p95"):
         table[name] = points[name]
     table["texture_mib"] = points.texture_bytes / 2**20
     table["pareto"] = ""

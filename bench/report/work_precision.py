@@ -59,9 +59,9 @@ def drawPanel(axes, points, allAxes, styles):
     shown = points[(points.state == "ok") & points.error.notna() & points.frame_ms.notna()]
     curves = shown[~shown.technique.isin(BASELINES)]
     positive = curves.error[curves.error > 0]
-    floors = points.reference_floor[points.reference_floor > 0]
-    floor = floors.median() if len(floors) else None
-    zeroAt = floor or (positive.min() / 2 if len(positive) else 1e-6)
+    shifts = points.half_pixel_sensitivity[points.half_pixel_sensitivity > 0]
+    sensitivity = shifts.median() if len(shifts) else None
+    zeroAt = sensitivity or (positive.min() / 2 if len(positive) else 1e-6)
     height = curves.error.where(curves.error > 0, zeroAt)
 
     markers, labels = [], []
@@ -97,9 +97,9 @@ def drawPanel(axes, points, allAxes, styles):
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.margins(0.12, 0.12)
-    if floor:
-        used.add("floor")
-        axes.axhline(floor, color=MUTED, linestyle=(0, (4, 3)), linewidth=1, zorder=2)
+    if sensitivity:
+        used.add("sensitivity")
+        axes.axhline(sensitivity, color=MUTED, linestyle=(0, (4, 3)), linewidth=1, zorder=2)
     for number, (baseline, style) in enumerate(zip(BASELINES, ("-", ":"))):
         for row in points[(points.technique == baseline) & points.frame_ms.notna()].head(1).itertuples():
             axes.axvline(row.frame_ms, color="#444444", linestyle=style, linewidth=1, zorder=2)
@@ -120,7 +120,7 @@ def legendEntries(styles, used):
     extra = {
         "front": Line2D([], [], color="#bbbbbb", linewidth=4, marker="o", markersize=10, markerfacecolor="white",
                         markeredgecolor="#444444", label="Pareto front"),
-        "floor": Line2D([], [], color=MUTED, linestyle=(0, (4, 3)), linewidth=1, label="reference floor"),
+        "sensitivity": Line2D([], [], color=MUTED, linestyle=(0, (4, 3)), linewidth=1, label="half-pixel sensitivity"),
         "zero": Line2D([], [], color=MUTED, linestyle="none", marker=11, markersize=7, label="error 0 (see note)"),
         "flagged": Line2D([], [], color=MUTED, linestyle="none", marker="o", markerfacecolor="white", markersize=5,
                           label="flagged (see table)"),
@@ -156,7 +156,7 @@ def drawGroup(run, points, stem):
     width, height = PANEL_SIZE[0] * columns + 1.6, PANEL_SIZE[1] * rows + 1.0
     notes = describeLost(points)
     if ((points.error == 0) & (points.state == "ok") & ~points.technique.isin(BASELINES)).any():
-        notes.insert(0, "A logarithmic axis has no 0: ▼ points without a single wrong pixel stand on the reference floor "
+        notes.insert(0, "A logarithmic axis has no 0: ▼ points without a single wrong pixel stand on the half-pixel sensitivity "
                         "(or, without one, at half the least error).")
     height += 0.145 * len(notes)
     figure, panels = plt.subplots(rows, columns, figsize=(width, height), squeeze=False)

@@ -7,14 +7,20 @@ Camera::Camera(const scenegen::View& view, int w, int h)
       forward(glm::normalize(view.forward)), near(view.near), far(view.far), tanX(0),
       tanY(std::tan(glm::radians(view.fovY) / 2)), width(w), height(h) {
     tanX = tanY * w / h;
+    shiftBy({0, 0});
+}
+
+void Camera::shiftBy(const glm::dvec2& pixels) {
+    shift = pixels;
+    const glm::dvec2 ndc = 2.0 * shift / glm::dvec2(width, height);
     const double a = -near / (far - near), b = near * far / (far - near);
     // Rows of the matrix; glm stores columns, hence the transpose.
-    clipFromRelative = glm::transpose(glm::dmat4(glm::dvec4(right / tanX, 0), glm::dvec4(up / tanY, 0),
+    clipFromRelative = glm::transpose(glm::dmat4(glm::dvec4(right / tanX - ndc.x * forward, 0), glm::dvec4(up / tanY - ndc.y * forward, 0),
                                                  glm::dvec4(forward * a, b), glm::dvec4(forward, 0)));
 }
 
 glm::dvec3 Camera::relativePoint(int x, int y, double depth) const {
-    const double ndcX = 2 * (x + 0.5) / width - 1, ndcY = 2 * (y + 0.5) / height - 1;
+    const double ndcX = 2 * (x + 0.5 + shift.x) / width - 1, ndcY = 2 * (y + 0.5 + shift.y) / height - 1;
     return (right * (ndcX * tanX) + up * (ndcY * tanY) + forward) * eyeDepth(depth);
 }
 
@@ -22,8 +28,9 @@ std::array<glm::dvec4, 6> Camera::planes() const {
     const auto side = [&](const glm::dvec3& axis, double tangent) {
         return glm::dvec4(glm::normalize(forward * tangent + axis), 0);
     };
-    return {glm::dvec4(forward, -near), glm::dvec4(-forward, far), side(right, tanX), side(-right, tanX), side(up, tanY),
-            side(-up, tanY)};
+    const glm::dvec2 ndc = 2.0 * shift / glm::dvec2(width, height);
+    return {glm::dvec4(forward, -near), glm::dvec4(-forward, far), side(right, tanX * (1 - ndc.x)), side(-right, tanX * (1 + ndc.x)),
+            side(up, tanY * (1 - ndc.y)), side(-up, tanY * (1 + ndc.y))};
 }
 
 bool Camera::mayContain(const base::DBox& box) const {

@@ -17,7 +17,11 @@ struct Camera {
     double near, far;
     double tanX, tanY;              ///< tangents of half the fields of view
     int width, height;
+    glm::dvec2 shift{0, 0};  ///< pixels by which the picture's points lie to the right of the pixels' centres, and above them
     glm::dmat4 clipFromRelative;
+
+    /// The same view through points beside the pixels' centres: `pixels` to the right and upwards.
+    void shiftBy(const glm::dvec2& pixels);
 
     /// Metres along `forward` of a depth-buffer value.
     double eyeDepth(double depth) const { return near * far / (depth * (far - near) + near); }

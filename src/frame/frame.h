@@ -27,6 +27,9 @@ public:
         everything_.data.clear();  // its positions are relative to the eye that was
     }
 
+    /// Looks through points beside the pixels' centres from the next G-buffer on (Camera::shiftBy). Techniques do not know of it.
+    void shiftBy(const glm::dvec2& pixels) { camera_.shiftBy(pixels); }
+
     /// Moves the first sun. Techniques follow in the next frame; a Renderer's passes may change with replan().
     void setSun(const scenegen::Sun& sun) {
         suns_[0].sun = sun;

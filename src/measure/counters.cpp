@@ -80,7 +80,7 @@ constexpr std::array kMetrics{
     MetricInfo{"map_age_worst", "frames", lower, true, "... of the oldest"},
     MetricInfo{"map_lag_mean", "deg", lower, true, "angle between the light of a map in use and the present one, mean over the maps in use"},
     MetricInfo{"map_lag_worst", "deg", lower, true, "... of the map that is farthest behind"},
-    MetricInfo{"reference_floor", "", none, true, "error below which the reference cannot tell techniques apart"},
+    MetricInfo{"half_pixel_sensitivity", "", none, true, "error of the reference itself, traced half a pixel to the right and half a pixel upwards; their mean"},
     MetricInfo{"valid", "", none, true, "valid pixels / pixels"},
     MetricInfo{"ambiguous", "", none, true, "ambiguous pixels / (valid + ambiguous)"},
     MetricInfo{"shadowed", "", none, true, "pixels dark in the reference / valid"},

@@ -140,12 +140,19 @@ std::vector<int32_t> correspondence(const Receivers& before, const glm::dmat4& c
     return same;
 }
 
-double referenceFloor(const Reference& reference) {
-    const Counts n = count(reference);
-    size_t differing = 0;
-    forPairsInOmega(reference, [&](size_t a, size_t b) { differing += reference.label[a] != reference.label[b]; });
-    // Each differing pair is met from both of its ends: 2 · differing over the four directions.
-    return share(n.ambiguous, n.omega + n.ambiguous) + 0.5 * share(2 * differing, 4 * n.omega);
+double halfPixelSensitivity(const Reference& reference, std::span<const Reference> shifted) {
+    double sum = 0;
+    for (const Reference& other : shifted) {
+        assert(other.label.size() == reference.label.size());
+        size_t both = 0, differing = 0;
+        for (size_t i = 0; i < reference.label.size(); ++i) {
+            if (!inOmega(reference.label[i]) || !inOmega(other.label[i])) continue;
+            ++both;
+            differing += reference.label[i] != other.label[i];
+        }
+        sum += share(differing, both);
+    }
+    return shifted.empty() ? 0 : sum / double(shifted.size());
 }
 
 }  // namespace dapple::truth

@@ -49,12 +49,10 @@ Flips measureFlips(const Reference& before, const Reference& now, std::span<cons
 /// `clipBefore`: from metres relative to the eye that was; `moved`: from that eye to the present one, metres.
 std::vector<int32_t> correspondence(const Receivers& before, const glm::dmat4& clipBefore, const Receivers& now, const glm::dvec3& moved);
 
-/// Reference floor: the error below which a figure says nothing about a technique, a share. It is the
-/// ambiguous share plus the error of half a pixel of discretisation, measured on G itself: half of the mean,
-/// over the four directions, of the share of Ω whose neighbour in that direction (in Ω) carries the other
-/// label. A copy of G shifted by a whole pixel would be charged that mean, one shifted by half a pixel
-/// half of it. 0 for an image without shadow edges and ambiguous pixels.
-double referenceFloor(const Reference& reference);
+/// Error of the truth itself half a pixel away, a share: G against the same view traced through points half a pixel beside
+/// the pixels' centres. `shifted`: one reference per direction; the result is the mean over them. Pixels in Ω of both count;
+/// 0 without any.
+double halfPixelSensitivity(const Reference& reference, std::span<const Reference> shifted);
 
 /// Exact Euclidean distance transform (Felzenszwalb & Huttenlocher 2012): for each pixel the distance in
 /// pixels to the nearest set pixel of `mask`; infinity when none is set.

@@ -67,8 +67,8 @@ TEST(Motion, AWalkIsTheMeanOfItsPlacesAndComparesWhatStaysInSight) {
         EXPECT_NE(one, two);
         EXPECT_NEAR(both.at("error").value.value(), (one + two) / 2, 1e-9);
         EXPECT_EQ(both.at("error").spread->max, std::max(one, two));
-        // The points compared are half a pixel apart at most: the floor of the reference is what half a pixel changes.
-        EXPECT_LT(both.at("reference_flips").value.value(), 1.5 * both.at("reference_floor").value.value());
+        // The points compared are half a pixel apart at most, and the sensitivity is what half a pixel changes.
+        EXPECT_LT(both.at("reference_flips").value.value(), 1.5 * both.at("half_pixel_sensitivity").value.value());
         EXPECT_GT(both.at("reference_flips").value.value(), 0);
     }
     const auto lit = byMetric(workbench().open(spec("unshadowed", {}, walk(0.4, 3)))->errors());

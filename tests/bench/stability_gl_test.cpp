@@ -165,7 +165,7 @@ TEST_P(EveryTechnique, ConvergesToTheReference) {
         if (!shadow::technique(name()).defaults.contains("size")) {  // nothing to refine: it is there
             PointSpec s = spec(scene, name());
             s.width = 320, s.height = 240;
-            EXPECT_LE(metric(s, "error"), metric(s, "reference_floor")) << scene;
+            EXPECT_LE(metric(s, "error"), metric(s, "half_pixel_sensitivity")) << scene;
             continue;
         }
         PointSpec coarse = spec(scene, name(), {{"size", "64"}}), middle = spec(scene, name(), {{"size", "512"}}),
@@ -174,9 +174,9 @@ TEST_P(EveryTechnique, ConvergesToTheReference) {
         const double e64 = metric(coarse, "error"), e512 = metric(middle, "error"), e4096 = metric(fine, "error");
         EXPECT_LT(e512, e64) << scene;
         // Once both are below what half a pixel's shift would cost, single pixels decide which is smaller.
-        const double floor = metric(fine, "reference_floor");
-        EXPECT_LE(e4096, std::max(e512, floor)) << scene;
-        EXPECT_LE(e4096, 2 * floor) << scene;
+        const double halfPixel = metric(fine, "half_pixel_sensitivity");
+        EXPECT_LE(e4096, std::max(e512, halfPixel)) << scene;
+        EXPECT_LE(e4096, 2 * halfPixel) << scene;
     }
 }
 

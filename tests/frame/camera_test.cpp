@@ -26,6 +26,11 @@ std::vector<Camera> cameras() {
     }
     return result;
 }
+std::vector<Camera> shiftedCameras() {
+    std::vector<Camera> result = cameras();
+    for (Camera& camera : result) camera.shiftBy({0.5, -0.25});
+    return result;
+}
 
 /// A direction with eye depth 1 somewhere about the frustum; `spread` 1 = just its width.
 glm::dvec3 direction(const Camera& camera, base::Random& random, float spread) {
@@ -53,6 +58,22 @@ TEST(Camera, AxesAreOrthonormalAndRightHanded) {
         EXPECT_NEAR(glm::length(c.up), 1, 1e-15);
         EXPECT_NEAR(glm::length(glm::cross(c.right, c.up) + c.forward), 0, 1e-15);  // looks along −z of its own frame
         EXPECT_GE(glm::dot(c.up, glm::abs(c.forward.z) > 0.99 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1)), 0);
+    }
+}
+
+TEST(Camera, AShiftedPictureHasAtAPixelsCentreWhatLiesBesideIt) {
+    const Camera camera({"v", {3, -20, 4}, {0.1, 1, -0.2}, {0, 0, 1}, 60, 0.3, 300}, 640, 480);
+    for (const glm::dvec2& shift : {glm::dvec2(0.5, 0), glm::dvec2(0, 0.5), glm::dvec2(-1, 2)}) {
+        Camera shifted = camera;
+        shifted.shiftBy(shift);
+        for (const auto& [x, y] : {std::pair(3, 5), {300, 470}}) {
+            const glm::dvec3 p = shifted.relativePoint(x, y, 0.01);
+            const glm::dvec4 own = shifted.clipFromRelative * glm::dvec4(p, 1), other = camera.clipFromRelative * glm::dvec4(p, 1);
+            const glm::dvec2 half(320, 240), centre(x + 0.5, y + 0.5);
+            EXPECT_LT(glm::length((glm::dvec2(own) / own.w + 1.0) * half - centre), 1e-9);
+            EXPECT_LT(glm::length((glm::dvec2(other) / other.w + 1.0) * half - centre - shift), 1e-9);
+            EXPECT_NEAR(own.z / own.w, 0.01, 1e-12);
+        }
     }
 }
 
@@ -87,7 +108,9 @@ TEST(Camera, RelativePointUndoesTheProjection) {
 
 TEST(Camera, PlanesAgreeWithClipSpace) {
     base::Random random(2, 0, 0);
-    for (const Camera& c : cameras()) {
+    std::vector<Camera> all = cameras();
+    for (const Camera& shifted : shiftedCameras()) all.push_back(shifted);
+    for (const Camera& c : all) {
         int inside = 0, tested = 0;
         for (int i = 0; i < 100'000; ++i) {
             const glm::dvec3 p = direction(c, random, 1.5f) * (someDepth(c, random) * (i % 10 == 0 ? -1 : 1));

@@ -144,7 +144,7 @@ TEST(Metrics, EmptyOmegaGivesZeros) {
     for (const Reference& g : {image({"...", "..."}), Reference{}}) {
         const ErrorMetrics m = measureError(g, std::vector<float>(g.label.size(), 0.0f));
         for (const double value : {m.error, m.falseShadow, m.falseLight, m.falseShadowBoundary, m.falseShadowInterior, m.falseLightBoundary,
-                                   m.falseLightInterior, m.meanAbsolute, m.valid, m.ambiguous, m.shadowed, referenceFloor(g)})
+                                   m.falseLightInterior, m.meanAbsolute, m.valid, m.ambiguous, m.shadowed, halfPixelSensitivity(g, std::span(&g, 1))})
             EXPECT_EQ(value, 0);
         EXPECT_FALSE(m.edgeMean);
     }
@@ -184,21 +184,17 @@ TEST(Metrics, RandomImagesAgreeWithDirectCounting) {
         const auto darkG = [&](int x, int y) { return g.label[size_t(y * w + x)] == Label::shadowed; };
         const auto darkV = [&](int x, int y) { return v[size_t(y * w + x)] < 0.5f; };
         const auto edgesG = edgesOf(darkG), edgesV = edgesOf(darkV);
-        double omega = 0, boundary = 0, interior = 0, shiftError = 0, ambiguous = 0;
+        double omega = 0, boundary = 0, interior = 0;
         for (int y = 0; y < h; ++y)
             for (int x = 0; x < w; ++x) {
-                ambiguous += g.label[size_t(y * w + x)] == Label::ambiguous;
                 if (!valid(x, y)) continue;
                 ++omega;
                 if (darkG(x, y) != darkV(x, y)) ++(nearest(edgesG, x, y) <= 2 ? boundary : interior);
-                for (const auto& [a, b] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-                    shiftError += valid(x + a, y + b) && darkG(x, y) != darkG(x + a, y + b);
             }
         const ErrorMetrics m = measureError(g, v);
         EXPECT_NEAR(m.falseShadowBoundary + m.falseLightBoundary, boundary / omega, 1e-12);
         EXPECT_NEAR(m.falseShadowInterior + m.falseLightInterior, interior / omega, 1e-12);
         EXPECT_NEAR(m.error, (boundary + interior) / omega, 1e-12);
-        EXPECT_NEAR(referenceFloor(g), ambiguous / (omega + ambiguous) + 0.5 * (shiftError / 4) / omega, 1e-12);
         ASSERT_EQ(m.edgeMean.has_value(), !edgesG.empty() && !edgesV.empty());
         if (!m.edgeMean) continue;
         double sum = 0, most = 0;
@@ -210,12 +206,16 @@ TEST(Metrics, RandomImagesAgreeWithDirectCounting) {
     }
 }
 
-TEST(ReferenceFloor, IsHalfOfAOnePixelShift) {
-    // A vertical edge in a 10 × 4 image: a shift by one pixel to either side errs on one column (a tenth),
-    // up or down on none. Mean over the four: 1/20; half a pixel: 1/40.
-    EXPECT_DOUBLE_EQ(referenceFloor(image({"LLLLLSSSSS", "LLLLLSSSSS", "LLLLLSSSSS", "LLLLLSSSSS"})), 1.0 / 40);
-    EXPECT_EQ(referenceFloor(image({"LLLL"})), 0);
-    EXPECT_DOUBLE_EQ(referenceFloor(image({"LLLA"})), 0.25);
+TEST(HalfPixelSensitivity, IsTheMeanErrorOfTheShiftedTruthsWhereBothAreValid) {
+    const Reference here = image({"LLSSA.", "LLSSLL"});
+    // 10 pixels of the first are valid beside one of its own, of which 2 differ; 9 of the second, of which none does.
+    const std::vector<Reference> shifted{image({"LSSSLL", "LSSSLL"}), image({"LLSSL.", "LLSSL."})};
+    EXPECT_DOUBLE_EQ(halfPixelSensitivity(here, std::span(shifted).first(1)), 2.0 / 10);
+    EXPECT_DOUBLE_EQ(halfPixelSensitivity(here, std::span(shifted).last(1)), 0);
+    EXPECT_DOUBLE_EQ(halfPixelSensitivity(here, shifted), 0.1);
+    EXPECT_EQ(halfPixelSensitivity(here, {}), 0);
+    const Reference nothing = image({"......", "AAAAAA"});
+    EXPECT_EQ(halfPixelSensitivity(nothing, std::span(&here, 1)), 0);
 }
 
 TEST(Flips, CountOnlyWhatIsValidInBothFrames) {
