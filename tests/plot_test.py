@@ -131,7 +131,7 @@ def testDrawing(top):
     folder = sweep().write(top / "sweep")
     done = plot(folder)
     names = {Path(line).name for line in done.stdout.splitlines()}
-    wanted = {f"work_precision_{stem}.{form}" for stem in ("forest-small_1024x768", "town_1.glb_1024x768")
+    wanted = {f"work_precision_{stem}.{form}" for stem in ("forest-small_1024x768", "town-1.glb-c1e3ca4a_1024x768")
               for form in ("svg", "png", "pdf")} | {"table.csv", "table.md"}
     check("one diagram per scene in three formats, and the tables", done.returncode == 0 and names == wanted,
           (names, done.stderr))
@@ -211,7 +211,7 @@ def testShadowCost(top):
     check("a baseline has no shadow cost, nor a view without the standard map",
           {c for _, t, c in cost if t == "unshadowed"} == {""} and {r["shadow_to_standard"] for r in rows if r["view"] == "far"} == {""}, rows)
     check("one diagram for each variant", all((folder / f"work_precision_forest-small{v}_1024x768.svg").exists()
-                                              for v in ("", "_sun.elevation_10")), list(folder.iterdir()))
+                                              for v in ("", "_sun.elevation=10")), list(folder.iterdir()))
 
 
 def rotations():

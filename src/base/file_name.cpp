@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <mutex>
@@ -36,7 +37,7 @@ Inputs& inputs() {
 std::string fileName(std::string_view name) {
     const std::string_view legal = "._=+-";
     std::string part;
-    for (const char c : name) {
+    for (const char c : name.substr(name.rfind('/') + 1)) {
         const bool kept = std::isalnum(static_cast<unsigned char>(c)) != 0 && static_cast<unsigned char>(c) < 128;
         if (kept || legal.find(c) != std::string_view::npos) part += c;
         else if (!part.ends_with('-')) part += '-';
@@ -57,7 +58,8 @@ void requireNotAnInput(const fs::path& path) {
     for (const fs::path& input : inputs().paths) {
         std::error_code error;
         if (fs::equivalent(path, input, error))
-            throw UsageError(fmt::format("{} is read as {} and would be replaced by what is written; name another file with -o", path.string(), input.string()));
+            throw UsageError(fmt::format("{} is an input{} and would be replaced by what is written; name another file with -o", path.string(),
+                                         path == input ? "" : fmt::format(" ({})", input.string())));
     }
 }
 

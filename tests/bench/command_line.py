@@ -31,8 +31,8 @@ def hasGl():
     return program("doctor", "--json").returncode in (0, 5)
 
 
-def onTerminal(columns, *words, **environment):
-    """(exit code, all that a terminal of so many columns got)."""
+def onTerminal(columns, *words, enough=lambda text: False, **environment):
+    """(exit code, all that a terminal of so many columns got); the program is ended once that is `enough`."""
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     process = subprocess.Popen([DAPPLE, *map(str, words)], stdin=theirs, stdout=theirs, stderr=theirs,
@@ -47,6 +47,9 @@ def onTerminal(columns, *words, **environment):
         if not read:
             break
         text += read
+        if enough(text):
+            process.terminate()
+            break
     os.close(ours)
     return process.wait(timeout=60), text.decode().replace("\r\n", "\n")
 
