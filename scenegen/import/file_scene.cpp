@@ -4,6 +4,7 @@
 #include "scenegen/import/file_space.h"
 #include "scenegen/import/normals.h"
 #include "scenegen/import/obj_file.h"
+#include "scenegen/import/ply_file.h"
 #include "scenegen/import/polygons.h"
 #include "scenegen/import/scene_builder.h"
 
@@ -13,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <span>
 
@@ -146,20 +146,10 @@ private:
             for (unsigned i = 0; i < node.mNumMeshes; ++i)
                 if (const int mesh = ourMesh_[node.mMeshes[i]]; mesh >= 0) meshes.push_back(uint32_t(mesh));
             if (meshes.empty()) return;
-            noteCoarse(here, meshes);
+            // Assimp holds transforms as floats too.
+            builder_.noteCoarse(here.name, glm::length(builder_.position(glm::dvec3(here.worldFromNode[3]))));
             builder_.addObject(here, std::move(meshes));
         });
-    }
-
-    /// Assimp holds positions and transforms as floats.
-    void noteCoarse(const SceneBuilder::Node& node, const std::vector<uint32_t>& meshes) {
-        constexpr double kFine = 1e-3;  // metres
-        double farthest = glm::length(builder_.position(glm::dvec3(node.worldFromNode[3])));
-        for (const uint32_t m : meshes)
-            for (const glm::vec3& p : builder_.scene.meshes[m].positions) farthest = std::max(farthest, double(glm::length(p)));
-        const double step = farthest * std::numeric_limits<float>::epsilon() / 2;
-        if (step > kFine)
-            builder_.scene.notes.add("coordinates so far from the origin are read in steps of more than a millimetre", fmt::format("{}: {:.2g} m", node.name, step));
     }
 
     /// Degrees.
@@ -207,6 +197,7 @@ FileScene readFileScene(const fs::path& file, const Sidecar& sidecar) {
     if (fs::is_directory(file, error)) fail(file, "is a folder, not a scene");
     if (fs::file_size(file, error) == 0) fail(file, "is empty");
     if (lowerExtension(file) == ".obj") return readObj(file, sidecar);
+    if (lowerExtension(file) == ".ply") return readPly(file, sidecar);
     Assimp::Importer importer;
     return Reader(file, sidecar, load(importer, file)).read();
 }

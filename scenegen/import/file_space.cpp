@@ -176,7 +176,7 @@ FileSpace spaceOf(const aiScene& scene, const std::filesystem::path& file, Notes
     if (extension == ".x3d") return x3dSpace(base::readFile(file));
     if (extension == ".ogex") return openGexSpace(base::readFile(file));
     if (extension == ".dxf") return dxfSpace(base::readFile(file));
-    return extension == ".blend" || extension == ".stl" || extension == ".ply" ? 'z' : 'y';
+    return extension == ".blend" || extension == ".stl" ? 'z' : 'y';
 }
 
 }  // namespace dapple::scenegen

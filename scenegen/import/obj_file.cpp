@@ -1,48 +1,25 @@
 #include "scenegen/import/obj_file.h"
 
 #include "base/file.h"
-#include "base/hash.h"
-#include "scenegen/import/budget.h"
 #include "scenegen/import/mtl.h"
-#include "scenegen/import/normals.h"
-#include "scenegen/import/polygons.h"
-#include "scenegen/import/scene_builder.h"
+#include "scenegen/import/polygon_object.h"
 #include "scenegen/import/texture_files.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
+#include <map>
 #include <set>
-#include <unordered_map>
 
 // Alias/Wavefront, Advanced Visualizer Manual (1995), appendix B1.
 namespace dapple::scenegen {
 namespace fs = std::filesystem;
 namespace {
 
-/// Indices from 0 on; kNone where the file gives none.
-struct Corner {
-    static constexpr int64_t kNone = -1;
-    int64_t position = kNone, uv = kNone, normal = kNone;
-};
-
-/// Faces of one object with one material.
-struct Faces {
-    std::vector<Corner> corners;
-    std::vector<uint32_t> sizes;  ///< corners per face
-};
-
 struct Object {
     std::string name;
     std::map<std::string, Faces> byMaterial;
-};
-
-/// What a material of the file becomes.
-struct Look {
-    int textured = -1, flat = -1;  ///< index into FileScene::materials; -1: drawn nowhere
-    glm::dvec2 scale{1}, offset{0};
 };
 
 class Reader {
@@ -57,7 +34,13 @@ public:
     FileScene read() {
         parse(base::readFile(file_));
         readLibraries();
-        for (const Object& object : objects_) build(object);
+        if (smooth_ && data_.normals.empty())
+            notes_.add("smoothing groups are ignored: edges sharper than 45 degrees are creases");
+        for (const Object& object : objects_) {
+            std::vector<ObjectPart> parts;
+            for (const auto& [material, faces] : object.byMaterial) parts.push_back({&faces, lookOf(material)});
+            addPolygonObject(builder_, budget_, data_, object.name, parts);
+        }
         builder_.scene.textures = std::move(textures_.textures);
         notes_.add(textures_.notes);
         return builder_.finish();
@@ -78,9 +61,9 @@ private:
         for (ObjLines lines(text); lines.next(line);) {
             if (++count % 65536 == 0) budget_.time();
             const std::string_view key = cutWord(line);
-            if (key == "v") positions_.push_back(position(line));
-            else if (key == "vt") uvs_.emplace_back(numbers(line));
-            else if (key == "vn") normals_.push_back(numbers(line));
+            if (key == "v") data_.positions.push_back(position(line));
+            else if (key == "vt") data_.uvs.emplace_back(numbers(line));
+            else if (key == "vn") data_.normals.push_back(numbers(line));
             else if (key == "f") {
                 if (!faces) faces = &objects_[current].byMaterial[material];
                 addFace(line, *faces);
@@ -119,7 +102,7 @@ private:
     }
 
     /// "7", "7/3", "7//2", "7/3/2"; negative ones count back from the last.
-    Corner corner(std::string_view word) const {
+    Faces::Corner corner(std::string_view word) const {
         const auto cut = [&](size_t soFar) {
             int64_t i = 0;
             const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), i);
@@ -127,12 +110,12 @@ private:
                 builder_.fail(fmt::format("a face has the corner '{}', which is no index", word.substr(0, 40)));
             word.remove_prefix(size_t(end - word.data()));
             if (word.starts_with('/')) word.remove_prefix(1);
-            return i > 0 ? i - 1 : i < 0 ? std::max(int64_t(soFar) + i, int64_t{-2}) : Corner::kNone;
+            return i > 0 ? i - 1 : i < 0 ? std::max(int64_t(soFar) + i, int64_t{-2}) : Faces::Corner::kNone;
         };
-        Corner c;
-        c.position = cut(positions_.size());
-        c.uv = cut(uvs_.size());
-        c.normal = cut(normals_.size());
+        Faces::Corner c;
+        c.position = cut(data_.positions.size());
+        c.uv = cut(data_.uvs.size());
+        c.normal = cut(data_.normals.size());
         return c;
     }
 
@@ -214,107 +197,12 @@ private:
         return looks_.emplace(material, look(grey, {})).first->second;
     }
 
-    void build(const Object& object) {
-        base::DBox box;
-        for (const auto& [material, faces] : object.byMaterial)
-            for (const Corner& c : faces.corners) box.extend(positions_.at(indexOf(object, c.position)));
-        if (box.empty()) return;
-        // Float holds metres near their origin only, so the whole metres of what lies far off are the node's.
-        constexpr double kFar = 1000;
-        const glm::dvec3 centre = box.centre();
-        const glm::dvec3 offset = glm::length(builder_.position(centre)) > kFar ? glm::round(centre) : glm::dvec3(0);
-        std::vector<uint32_t> meshes;
-        for (const auto& [material, faces] : object.byMaterial) {
-            const Look& look = lookOf(material);
-            Mesh mesh = convert(object, faces, look, offset);
-            if (!mesh.indices.empty()) meshes.push_back(builder_.addMesh(std::move(mesh)));
-        }
-        if (!meshes.empty())
-            builder_.addObject(builder_.child({}, object.name, glm::translate(glm::dmat4(1), offset)),
-                               std::move(meshes));
-    }
-
-    /// Throws when a face names a vertex that the file does not have, or that is not finite.
-    size_t indexOf(const Object& object, int64_t position) const {
-        if (position < 0 || position >= int64_t(positions_.size()))
-            builder_.fail(
-                fmt::format("node '{}': a face names vertex {} of {}", object.name, position + 1, positions_.size()));
-        if (!base::allFinite(positions_[size_t(position)]))
-            builder_.fail(fmt::format("node '{}': vertex {} is not finite", object.name, position + 1));
-        return size_t(position);
-    }
-
-    using VertexKey = std::array<float, 8>;
-    struct VertexHash {
-        size_t operator()(const VertexKey& key) const {
-            uint64_t h = 0;
-            for (const float f : key) h = base::mix64(h ^ std::bit_cast<uint32_t>(f));
-            return h;
-        }
-    };
-
-    Mesh convert(const Object& object, const Faces& faces, const Look& look, const glm::dvec3& offset) {
-        Mesh mesh;
-        const bool hasUv = std::ranges::any_of(
-            faces.corners, [&](const Corner& c) { return c.uv >= 0 && c.uv < int64_t(uvs_.size()); });
-        const bool hasNormals = std::ranges::any_of(
-            faces.corners, [&](const Corner& c) { return c.normal >= 0 && c.normal < int64_t(normals_.size()); });
-        const int material = hasUv ? look.textured : look.flat;
-        if (material < 0) return mesh;
-        mesh.material = uint32_t(material);
-        const bool textured = builder_.scene.materials[mesh.material].texture >= 0;
-        if (!hasUv && look.textured >= 0 && builder_.scene.materials[size_t(look.textured)].texture >= 0)
-            notes_.add("textures are left out where faces have no texture coordinates", object.name);
-
-        std::unordered_map<VertexKey, uint32_t, VertexHash> known;
-        const auto vertex = [&](const Corner& c) {
-            const glm::vec3 p(builder_.position(positions_[indexOf(object, c.position)] - offset));
-            const glm::vec3 n = c.normal >= 0 && c.normal < int64_t(normals_.size())
-                                    ? glm::vec3(builder_.direction(normals_[size_t(c.normal)]))
-                                    : glm::vec3(0);
-            const glm::dvec2 t =
-                (c.uv >= 0 && c.uv < int64_t(uvs_.size()) ? uvs_[size_t(c.uv)] : glm::dvec2(0)) * look.scale +
-                look.offset;
-            const glm::vec2 uv = textured && base::allFinite(glm::dvec3(t, 0)) ? glm::vec2(t.x, 1 - t.y) : glm::vec2(0);
-            const glm::vec3 normal = base::allFinite(n) ? n : glm::vec3(0);
-            const auto [it, isNew] =
-                known.emplace(VertexKey{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f, normal.x, normal.y, normal.z, uv.x, uv.y},
-                              uint32_t(mesh.positions.size()));
-            if (isNew) {
-                mesh.positions.push_back(p);
-                mesh.normals.push_back(normal);
-                if (textured) mesh.uvs.push_back(uv);
-            }
-            return it->second;
-        };
-        std::vector<glm::dvec3> polygon;
-        std::vector<std::array<uint32_t, 3>> triangles;
-        size_t at = 0;
-        for (const uint32_t size : faces.sizes) {
-            budget_.time();
-            polygon.clear(), triangles.clear();
-            for (size_t k = at; k < at + size; ++k)
-                polygon.push_back(positions_[indexOf(object, faces.corners[k].position)]);
-            if (!cutPolygon(polygon, triangles)) notes_.add(kCutAsFan, object.name);
-            for (const auto& t : triangles)
-                for (const uint32_t k : t) mesh.indices.push_back(vertex(faces.corners[at + k]));
-            at += size;
-        }
-        if (!hasNormals) {
-            if (smooth_)
-                notes_.add("smoothing groups are ignored: edges sharper than 45 degrees are creases", object.name);
-            generateNormals(mesh, kCreaseDegrees);
-        }
-        return mesh;
-    }
-
     const fs::path& file_;
     SceneBuilder builder_;
     TextureFiles textures_;
     Budget budget_;
     Notes& notes_;
-    std::vector<glm::dvec3> positions_, normals_;
-    std::vector<glm::dvec2> uvs_;
+    PolygonData data_;
     std::vector<Object> objects_;
     std::set<std::string> libraries_;
     std::map<std::string, Look> looks_;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace dapple::scenegen {
 namespace {
@@ -48,6 +49,9 @@ uint32_t SceneBuilder::addMesh(Mesh mesh) {
     std::vector<uint32_t>& candidates = meshesByHash_[h.digest()];
     const auto it = std::ranges::find_if(candidates, [&](uint32_t i) { return same(scene.meshes[i], mesh); });
     if (it != candidates.end()) return *it;
+    double farthest = 0;
+    for (const glm::vec3& p : mesh.positions) farthest = std::max(farthest, double(glm::length(p)));
+    farthest_.push_back(farthest);
     candidates.push_back(uint32_t(scene.meshes.size()));
     scene.meshes.push_back(std::move(mesh));
     return candidates.back();
@@ -66,7 +70,18 @@ glm::dmat4 SceneBuilder::conjugate(const glm::dmat4& m) const {
     return r;
 }
 
+void SceneBuilder::noteCoarse(const std::string& name, double farthest) {
+    constexpr double kFine = 1e-3;  // metres
+    const double step = farthest * double(std::numeric_limits<float>::epsilon()) / 2;
+    if (step > kFine)
+        scene.notes.add("coordinates far from the origin are floats, in steps of more than a millimetre", fmt::format("{}: {:.2g} m", name, step));
+}
+
 void SceneBuilder::addObject(const Node& node, std::vector<uint32_t> meshes) {
+    double farthest = 0;
+    for (const uint32_t m : meshes) farthest = std::max(farthest, farthest_[m]);
+    const glm::dmat3 linear(node.worldFromNode);
+    noteCoarse(node.name, farthest * std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])}));
     FileScene::Object object{node.name, conjugate(node.worldFromNode), std::move(meshes), node.castsShadow};
     for (const Sidecar::Copy& copy : sidecar_.copies) {
         if (copy.node != node.name) continue;

@@ -48,7 +48,11 @@ public:
     Node child(const Node& parent, const std::string& name, const glm::dmat4& parentFromNode);
 
     /// The node's meshes, by index into FileScene::meshes, as one object. The sidecar's copies and drops are applied here.
+    /// Coordinates too large for float are noted.
     void addObject(const Node& node, std::vector<uint32_t> meshes);
+
+    /// Notes a distance from the origin, in metres, if float holds it in steps of more than a millimetre.
+    void noteCoarse(const std::string& name, double farthest);
 
     /// A camera, its vectors in the node's space, its view's angle in degrees. One without a direction is left out.
     void addView(const Node& node, const std::string& name, const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, double fovY);
@@ -74,6 +78,7 @@ private:
     using MaterialKey = std::tuple<float, float, float, float, float, int, bool, float>;
     std::map<MaterialKey, uint32_t> materials_;
     std::map<uint64_t, std::vector<uint32_t>> meshesByHash_;
+    std::vector<double> farthest_;  ///< position from the mesh's origin, metres, per mesh
     std::vector<bool> copyFound_;  ///< per copy of the sidecar
 };
 

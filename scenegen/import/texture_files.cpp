@@ -121,7 +121,7 @@ std::optional<base::Image8> TextureFiles::read(const std::string& name, const fs
         notes.add("textures are not found, and their materials have flat colours without holes", name);
     } catch (const base::UsageError&) {
         notes.add(
-            "textures are of no format that is read (PNG, JPEG, TGA, BMP, SGI) or damaged, and their materials have "
+            "textures are damaged or of no format that is read, and their materials have "
             "flat colours without holes",
             name);
     }
