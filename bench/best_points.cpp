@@ -10,21 +10,6 @@
 #include <algorithm>
 
 namespace dapple::bench {
-namespace {
-
-/// Takes the points that no other dominates out of `points`, fastest first.
-std::vector<MeasuredPoint> takeFront(std::vector<MeasuredPoint>& points) {
-    std::stable_sort(points.begin(), points.end(), [](const MeasuredPoint& a, const MeasuredPoint& b) {
-        return std::pair(a.frameMs, a.error) < std::pair(b.frameMs, b.error);
-    });
-    std::vector<MeasuredPoint> front, rest;
-    for (MeasuredPoint& p : points) (front.empty() || p.error < front.back().error ? front : rest).push_back(std::move(p));
-    points = std::move(rest);
-    return front;
-}
-
-}  // namespace
-
 std::vector<MeasuredPoint> measuredPoints(const std::filesystem::path& metricsCsv) {
     const CsvTable table(base::readFile(metricsCsv), metricsCsv.string());
     struct Found {
@@ -51,18 +36,17 @@ std::vector<MeasuredPoint> measuredPoints(const std::filesystem::path& metricsCs
     return points;
 }
 
-std::vector<MeasuredPoint> bestPoints(std::vector<MeasuredPoint> points, size_t count) {
-    std::vector<MeasuredPoint> best;
-    while (best.size() < count && !points.empty()) {
-        const std::vector<MeasuredPoint> front = takeFront(points);
-        const size_t take = std::min(count - best.size(), front.size());
-        for (size_t i = 0; i < take; ++i) best.push_back(front[take == 1 ? 0 : i * (front.size() - 1) / (take - 1)]);
-    }
-    std::stable_sort(best.begin(), best.end(), [](const MeasuredPoint& a, const MeasuredPoint& b) { return a.frameMs < b.frameMs; });
-    return best;
+std::vector<MeasuredPoint> paretoFront(std::vector<MeasuredPoint> points) {
+    std::stable_sort(points.begin(), points.end(), [](const MeasuredPoint& a, const MeasuredPoint& b) {
+        return std::pair(a.frameMs, a.error) < std::pair(b.frameMs, b.error);
+    });
+    std::vector<MeasuredPoint> front;
+    for (MeasuredPoint& p : points)
+        if (front.empty() || p.error < front.back().error) front.push_back(std::move(p));
+    return front;
 }
 
-std::string bestPointsTable(const std::vector<MeasuredPoint>& points, const Plan& plan) {
+std::string pointsTable(const std::vector<MeasuredPoint>& points, const Plan& plan) {
     std::vector<std::vector<std::string>> rows{{"technique", "settings", "error", "frame", "over unshadowed", "textures"}};
     for (const MeasuredPoint& p : points) {
         const auto planned = std::find_if(plan.points.begin(), plan.points.end(), [&](const PlannedPoint& q) { return q.id == p.pointId; });

@@ -21,12 +21,11 @@ struct MeasuredPoint {
 /// are left out. Throws Error (exit 4) for a damaged file.
 std::vector<MeasuredPoint> measuredPoints(const std::filesystem::path& metricsCsv);
 
-/// At most `count` points, fastest first: the Pareto front of error against time (no other point is both
-/// faster and better), spread evenly over it with both ends if it is longer, and filled from the front of what remains
-/// if it is shorter.
-std::vector<MeasuredPoint> bestPoints(std::vector<MeasuredPoint> points, size_t count);
+/// Those that no other beats in both error and frame time, fastest first: the same that the plot marks. The points must be of
+/// one scene, variant and view, else their times do not compare.
+std::vector<MeasuredPoint> paretoFront(std::vector<MeasuredPoint> points);
 
 /// A table for people: technique and settings, error, time, ratio to the unshadowed frame, memory.
-std::string bestPointsTable(const std::vector<MeasuredPoint>& points, const Plan& plan);
+std::string pointsTable(const std::vector<MeasuredPoint>& points, const Plan& plan);
 
 }  // namespace dapple::bench

@@ -25,10 +25,12 @@ void runScript(const std::vector<std::string>& args, const std::string& what) {
 
 }  // namespace
 
-void plotRun(const std::string& folder) {
+void plotRun(const std::string& folder, const std::vector<std::string>& options) {
     if (!fs::exists(fs::path(folder) / "metrics.csv"))
         throw base::UsageError(fmt::format("{} holds no metrics.csv; name the folder of a finished run", folder));
-    runScript({"/usr/bin/python3", (base::homeFolder() / "bench/report/plot.py").string(), folder}, "draw the plot");
+    std::vector<std::string> args{"/usr/bin/python3", (base::homeFolder() / "bench/report/plot.py").string(), folder};
+    args.insert(args.end(), options.begin(), options.end());
+    runScript(args, "draw the plot");
 }
 
 void fetchRealScenes(const std::vector<std::string>& scenes) {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -18,7 +19,6 @@ namespace dapple::bench {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t kBest = 5;
 constexpr const char* kPictures = "pictures";
 
 const PlannedPoint* planned(const Plan& plan, const std::string& id) {
@@ -33,20 +33,21 @@ void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, 
     const std::vector<MeasuredPoint> measured = measuredPoints(fs::path(folder) / "metrics.csv");
     std::vector<PlannedPoint> pictured;
     std::string tables;
-    std::vector<std::pair<std::string, std::string>> places;  // scene and variant, in the plan's order
+    std::vector<std::array<std::string, 3>> places;  // scene, variant and view, in the plan's order
     for (const PlannedPoint& point : plan.points)
-        if (std::pair place(point.spec.scene, point.spec.variant); places.empty() || places.back() != place) places.push_back(place);
-    for (const auto& [scene, variant] : places) {
+        if (std::array place{point.spec.scene, point.spec.variant, point.spec.view}; std::ranges::find(places, place) == places.end()) places.push_back(place);
+    for (const auto& place : places) {
         // A stiff case is there to be survived, not to be best.
         std::vector<MeasuredPoint> points;
-        std::copy_if(measured.begin(), measured.end(), std::back_inserter(points), [&, &scene = scene, &variant = variant](const MeasuredPoint& p) {
+        std::copy_if(measured.begin(), measured.end(), std::back_inserter(points), [&](const MeasuredPoint& p) {
             const PlannedPoint* point = planned(plan, p.pointId);
-            return point && point->spec.scene == scene && point->spec.variant == variant && point->spec.stressCase.empty();
+            return point && std::array{point->spec.scene, point->spec.variant, point->spec.view} == place && point->spec.stressCase.empty();
         });
         if (points.empty()) continue;
-        const std::vector<MeasuredPoint> best = bestPoints(points, kBest);
-        for (const MeasuredPoint& p : best) pictured.push_back(*planned(plan, p.pointId));
-        tables += fmt::format("\nThe best of {} points on {}{}, fastest first:\n{}", points.size(), scene, variant.empty() ? "" : " with " + variant, bestPointsTable(best, plan));
+        const std::vector<MeasuredPoint> front = paretoFront(points);
+        for (const MeasuredPoint& p : front) pictured.push_back(*planned(plan, p.pointId));
+        tables += fmt::format("\n{}{}, view {}: {} of {} points have none that is both faster and better, fastest first:\n{}", place[0],
+                              place[1].empty() ? "" : " with " + place[1], place[2], front.size(), points.size(), pointsTable(front, plan));
     }
     const fs::path pictures = fs::path(folder) / kPictures;
     const bool drawn = !pictured.empty() && !renderPictures(pictures.string(), workbench, plan, pictured).empty();

@@ -7,7 +7,7 @@
 
 namespace dapple::bench {
 
-/// Ends a run: draws the plots and, per scene, pictures of the best points; prints where they are and a table of
+/// Ends a run: draws the plots and, per scene and view, pictures of the points on the front; prints where they are and a table of
 /// those points. Throws as requireClean(), and Error (exit 2 or 4) if the plot cannot be drawn; all else is done by then.
 void summarise(const std::string& folder, const Sweep& sweep, const Plan& plan, Workbench& workbench, const RunOutcome& outcome, bool plot = true);
 

@@ -1,26 +1,35 @@
 """Error, or the metric that a sweep's [plot] names, against one of its axes: a line per setting, a column of panels per value of `columns`, a
 row per scene variant and view, and below them the memory of the maps. What does not vary along the axis is a level line. Frame times have
 the unshadowed frame beside them: a view that holds more costs more without any shadow."""
-import matplotlib.pyplot as plt
 import numpy
 import pandas
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
-from figure import COLOURS, MARKERS, MUTED, addTexts, save
+from figure import COLOURS, MARKERS, MUTED, Texts, layout, plainSize, save
 from results import BASELINES
-from work_precision import describeLost, plainTicks
+from work_precision import describeLost, intervals, plainTicks
 
 PANEL_SIZE = (4.2, 3.4)  # inches
 MEMORY_HEIGHT = 1.6
-# metric → (title, name of its axis, whether it is a share)
-NAMES = {"error": ("Error", "error: share of wrong pixels", True),
-         "mean_absolute": ("Mean error", "mean |visibility − truth|", True),
-         "excess_flips": ("Popping", "excess flips: share of pixels a frame", True),
-         "frame_time": ("Frame time", "median frame time, ms", False)}
+# metric → (title, name of its axis)
+NAMES = {"error": ("Error", "error: share of wrong pixels, %"),
+         "mean_absolute": ("Mean error", "mean |visibility − truth|, %"),
+         "excess_flips": ("Popping", "excess flips: pixels a frame, %"),
+         "frame_time": ("Frame time", "median frame time, ms (bars: 95 %)")}
+# Axes and keys of recipes that are measured in something.
+UNITS = {"size": "texels a side", "cluster": "triangles", "leaf": "triangles", "exact-casters": "triangles", "far-field": "m", "radius": "m",
+         "scale": "× area", "trees": "trees", "rotations": "maps", "own": "maps", "budget": "maps a frame", "time": "s",
+         "sun.elevation": "degrees", "sun.azimuth": "degrees"}
 YARDSTICK = "unshadowed"
 LOG_RANGE = 8  # greatest / least value from which an axis is logarithmic;
 SCENE_LOG_RANGE = 100  # of what sets scenes apart: counts may span so much, angles do not
+
+
+def nameOf(metric, units):
+    """(title, name of its axis with the unit)."""
+    unit = units.get(metric, "")
+    return NAMES.get(metric, (metric, f"{metric}, {unit}" if unit else f"{metric} (ratio)"))
 
 
 def positions(values, name):
@@ -68,10 +77,14 @@ def drawPanel(axes, points, x, place, styles, figure, zeroAt=None):
         if own.level.any():
             for value in sorted(set(values)):
                 axes.axhline(value, color=colour, linewidth=1.3, linestyle=(0, (5, 2)), zorder=2)
+            for row in own.itertuples() if figure == "frame_time" else []:
+                axes.axhspan(row.frame_lo, row.frame_hi, color=colour, alpha=0.12, linewidth=0, zorder=1)
             continue
         at = own[x].map(place)
         order = numpy.argsort(at.to_numpy(), kind="stable")
         axes.plot(at.iloc[order], values.iloc[order], color=colour, marker=marker, markersize=4.5, linewidth=1.3, zorder=3)
+        if figure == "frame_time":
+            axes.errorbar(at, values, yerr=intervals(own), fmt="none", ecolor=colour, elinewidth=1, capsize=2, zorder=3)
         zero = (own[figure] == 0) & (zeroAt is not None)
         axes.plot(at[zero], values[zero], linestyle="none", marker=11, markersize=8, color=colour, zorder=4)
 
@@ -120,16 +133,14 @@ def drawCurves(run, points, stem):
     if not signed and (measured[y] == 0).any():
         notes.insert(0, "A logarithmic axis has no 0: ▼ points without any stand at half the least.")
 
-    legend = max(1.1, 0.55 + 0.062 * max(map(len, lines)))  # inches that the widest label takes
-    width = PANEL_SIZE[0] * len(columns) + 0.8 + legend
-    height = PANEL_SIZE[1] * len(rows) + (MEMORY_HEIGHT + 0.4 if len(memory) else 0) + 1.1 + 0.145 * len(notes)
-    figure, panels = plt.subplots(len(rows) + bool(len(memory)), len(columns), figsize=(width, height), squeeze=False, sharex=True,
-                                  height_ratios=[PANEL_SIZE[1]] * len(rows) + [MEMORY_HEIGHT] * bool(len(memory)), sharey="row")
-    title, yName, share = NAMES.get(y, (y, y, False))
+    title, yName = nameOf(y, run.units)
     long = max(map(len, shown.values())) > 8  # labels that stand aslant
-    bottom, top = addTexts(figure, " · ".join(filter(None, [f"{title} by {x if ',' in name else name}: {points.place.iloc[0]}", *common])), run.machine, notes, int(width * 15))
-    figure.subplots_adjust(left=0.8 / width, right=1 - legend / width, bottom=bottom + (0.95 if long else 0.5) / height, top=top - 0.25 / height,
-                           wspace=0.08, hspace=0.2)
+    levels = set(measured.line[measured.level])
+    handles = [Line2D([], [], color=styles[line][0], label=line, markersize=5, linestyle=(0, (5, 2)) if line in levels else "-",
+                      marker="" if line in levels else styles[line][1]) for line in lines]
+    texts = Texts(" · ".join(filter(None, [f"{title} by {x if ',' in name else name}: {points.place.iloc[0]}", *common])), run.machine, notes)
+    figure, panels = layout(PANEL_SIZE, len(columns), texts, handles, [1.0] * len(rows) + [MEMORY_HEIGHT / PANEL_SIZE[1]] * bool(len(memory)),
+                            below=0.95 if long else 0.5, gaps=(0.08, 0.2), sharex=True, sharey="row")
     for row, key in enumerate(rows):
         here = measured[(measured[keys] == key).all(axis=1)] if keys else measured
         for column, value in enumerate(columns):
@@ -141,8 +152,8 @@ def drawCurves(run, points, stem):
             drawPanel(axes, here[(here.column == value) | (here.column == "")], x, place, styles, y, zeroAt)
             styleX(axes, place, shown, name == x)
             heading = [*(text for text in key if text), f"{run.plot['columns']} {value}" if value else ""]
-            axes.set_title(" · ".join(filter(None, heading)), fontsize=9, loc="left")
-        panels[row][0].set_ylabel(yName)
+            axes.set_title(" · ".join(filter(None, heading)), fontsize=plainSize(9), loc="left")
+        panels[row][0].set_ylabel(yName, fontsize=plainSize(9))
     for column, value in enumerate(columns) if len(memory) else []:
         axes = panels[-1][column]
         axes.set_yscale("log")
@@ -152,15 +163,11 @@ def drawCurves(run, points, stem):
     if len(memory):
         panels[-1][0].set_ylabel("maps, MiB")
     for axes in panels[:len(rows)].flat:
-        text = (lambda number: f"{number * 100:g} %") if share else (lambda number: f"{number:g}")
+        text = (lambda number: f"{number * 100:g} %") if yName.endswith("%") else (lambda number: f"{number:g}")
         if signed:
             axes.yaxis.set_major_formatter(FuncFormatter(lambda number, _, text=text: text(round(number, 6))))
         else:
             plainTicks(axes.yaxis, text)
     for axes in panels[-1]:
-        axes.set_xlabel(name)
-    levels = set(measured.line[measured.level])
-    handles = [Line2D([], [], color=styles[line][0], label=line, markersize=5, linestyle=(0, (5, 2)) if line in levels else "-",
-                      marker="" if line in levels else styles[line][1]) for line in lines]
-    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - (legend - 0.05) / width, top - 0.1 / height), fontsize=8, labelspacing=0.7)
+        axes.set_xlabel(f"{name}, {UNITS[name]}" if name in UNITS else name, fontsize=plainSize(9))
     return save(figure, stem)

@@ -4,7 +4,7 @@ import numpy
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from figure import MUTED, addTexts, save
+from figure import MUTED, Texts, layout, plainSize, save
 from results import BASELINES
 
 
@@ -41,14 +41,13 @@ def drawHeatMap(run, stem):
     notes = [f"{name}: {', '.join(dict.fromkeys(cases))}." for name, cases in explain(points, rowOf, columnOf).items()]
     left = 0.4 + 0.075 * max(map(len, rows))  # inches for the names of the rows, and above for the slanted cases
     above = 0.2 + 0.047 * max(map(len, columns))
-    width, height = left + 0.95 * len(columns) + 1.0, 1.3 + above + 0.5 * len(rows) + 0.145 * len(notes)
-    figure, axes = plt.subplots(figsize=(width, height))
-    bottom, top = addTexts(figure, "Error at stiff cases", run.machine, notes, int(width * 15))
-    figure.subplots_adjust(left=left / width, right=1 - 0.5 / width, bottom=bottom + 0.15 / height, top=top - above / height)
+    figure, panels = layout((0.95 * len(columns) + 1.0, 0.5 * len(rows)), 1, Texts("Error at stiff cases", run.machine, notes), [], [1.0],
+                            above=above, below=0.15, left=left)
+    axes = panels[0][0]
     colours = plt.get_cmap("cividis").copy()
     colours.set_bad("#f0f0f0")
     image = axes.imshow(cells, cmap=colours, norm=norm, aspect="auto")
-    axes.set_xticks(range(len(columns)), columns, rotation=40, ha="left", rotation_mode="anchor", fontsize=8)
+    axes.set_xticks(range(len(columns)), columns, rotation=40, ha="left", rotation_mode="anchor", fontsize=plainSize(8))
     axes.xaxis.tick_top()
     axes.set_yticks(range(len(rows)), rows)
     axes.tick_params(length=0)
@@ -60,11 +59,11 @@ def drawHeatMap(run, stem):
     for (i, j), words in texts.items():
         dark = not cells.mask[i, j] if numpy.ma.is_masked(cells) else True
         colour = "#b00020" if "FAILED" in words else "white" if dark and norm(cells[i, j]) < 0.55 else "black"
-        axes.text(j, i, "\n".join(dict.fromkeys(words)), ha="center", va="center", fontsize=7, color=colour)
+        axes.text(j, i, "\n".join(dict.fromkeys(words)), ha="center", va="center", fontsize=plainSize(7), color=colour)
     bar = figure.colorbar(image, ax=axes, fraction=0.03, pad=0.02, aspect=15)
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value * 100:g} %"))
     bar.ax.yaxis.set_minor_formatter(NullFormatter())
-    bar.ax.set_title("error", fontsize=8, color=MUTED)
+    bar.ax.set_title("error, %", fontsize=plainSize(8), color=MUTED)
     bar.outline.set_visible(False)
     return save(figure, stem)
 

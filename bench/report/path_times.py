@@ -1,10 +1,9 @@
 """Frame times along the path of a sweep's [motion]: a line per point through the medians of each of its frames, in a band from the fastest to
 the slowest, so that spikes show where they are and whether they come back."""
-import matplotlib.pyplot as plt
 import numpy
 from matplotlib.lines import Line2D
 
-from figure import COLOURS, addTexts, save
+from figure import COLOURS, Texts, layout, plainSize, save
 from results import ReportError, numbers, readTable
 from work_precision import describeLost, plainTicks
 
@@ -39,13 +38,11 @@ def drawPathTimes(run, points, folder, stem):
     keys = [key for key in ("variant", "view") if measured[key].nunique() > 1]
     rows = list(dict.fromkeys(measured[keys].itertuples(index=False, name=None))) if keys else [()]
     notes = ["Line: median of what was timed at a place of the path; band: fastest to slowest."] + describeLost(points[points.state != "pruned"])
-    legend = 0.075 * max(map(len, lines)) + 0.5
-    width, height = PANEL_SIZE[0] + 0.8 + legend, PANEL_SIZE[1] * len(rows) + 1.3 + 0.145 * len(notes)
-    figure, panels = plt.subplots(len(rows), 1, figsize=(width, height), squeeze=False, sharex=True)
     step = run.motion.get("camera_metres_per_frame", 0)
     title = "Frame time along a walk" if step or run.motion.get("camera_turn_per_frame", 0) else "Frame time under a moving sun"
-    bottom, top = addTexts(figure, f"{title}: {points.place.iloc[0]}", run.machine, notes, int(width * 15))
-    figure.subplots_adjust(left=0.8 / width, right=1 - legend / width, bottom=bottom + 0.5 / height, top=top - 0.25 / height, hspace=0.2)
+    handles = [Line2D([], [], color=styles[line][0], linestyle=styles[line][1], label=line) for line in lines]
+    figure, panels = layout(PANEL_SIZE, 1, Texts(f"{title}: {points.place.iloc[0]}", run.machine, notes), handles, [1.0] * len(rows),
+                            gaps=(0.2, 0.2), sharex=True)
     for axes, key in zip(panels[:, 0], rows):
         here = (measured[keys] == key).all(axis=1) if keys else numpy.full(len(measured), True)
         for (_, row), label, shown in zip(measured.iterrows(), labels, here):
@@ -60,8 +57,6 @@ def drawPathTimes(run, points, folder, stem):
         plainTicks(axes.yaxis, lambda number: f"{number:g}")
         axes.grid(True, which="major", color="#e6e6e6", linewidth=0.6, zorder=0)
         axes.set_ylabel("frame, ms")
-        axes.set_title(" · ".join(text for text in key if text), fontsize=9, loc="left")
-    panels[-1][0].set_xlabel("metres walked" if step else "frame of the path")
-    handles = [Line2D([], [], color=styles[line][0], linestyle=styles[line][1], label=line) for line in lines]
-    figure.legend(handles=handles, loc="upper left", bbox_to_anchor=(1 - (legend - 0.05) / width, top - 0.1 / height), fontsize=8, labelspacing=0.7)
+        axes.set_title(" · ".join(text for text in key if text), fontsize=plainSize(9), loc="left")
+    panels[-1][0].set_xlabel("way walked, m" if step else "frame of the path")
     return save(figure, stem)

@@ -5,6 +5,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy
 import pandas
 
 SCHEMA_MAJOR = "2"
@@ -12,7 +13,7 @@ BASELINES = ("unshadowed", "bare")  # frames without shadows: the yardsticks of 
 # Columns of plan.csv that are not axes of a technique.
 PLAN_COLUMNS = ("point_id", "shard", "status", "reason", "scene", "technique")
 PLACE_COLUMNS = ("view", "width", "height", "stress", "variant")
-METRIC_COLUMNS = ("schema", "point_id", "pass", "metric", "median", "ci_lo", "ci_hi", "backend", "status", "flags")
+METRIC_COLUMNS = ("schema", "point_id", "pass", "metric", "unit", "median", "ci_lo", "ci_hi", "backend", "status", "flags")
 # Whole-frame figures that the report shows; one that a run does not have stays empty.
 FIGURES = ("error", "half_pixel_sensitivity", "false_shadow", "false_light", "edge_p95", "texture_bytes",
            "to_unshadowed", "to_bare")
@@ -34,6 +35,7 @@ class Run:
     stability: bool           # the plan stresses its scenes
     plot: dict                # x, y and columns of the figure that the sweep asks for; empty: error against frame time
     motion: dict              # what moves from frame to frame; empty: nothing
+    units: dict               # of metrics
     leftOut: list             # (pass, reason, techniques) of the passes that the scenes did not need
 
 
@@ -92,12 +94,22 @@ def describeMachine(info, backends):
     return f"{renderer} · timer {', '.join(backends) or 'none'}"
 
 
+def section(path, info, name):
+    """The object that run.json holds under `name`, {} if none."""
+    found = info.get(name, {})
+    if not isinstance(found, dict):
+        raise ReportError(4, f"{path} is damaged: {name} is not an object")
+    return found
+
+
 def readPlot(path, info, axes):
     """The figure that the sweep asks for, {} for the usual one."""
-    plot = info.get("plot", {})
+    plot = section(path, info, "plot")
     if not plot:
         return {}
-    plot = {"columns": "", "y": "error", **plot} if isinstance(plot, dict) else {}
+    plot = {"columns": "", "y": "error", **plot}
+    if any(not isinstance(value, str) for value in plot.values()):
+        raise ReportError(4, f"{path} is damaged: plot holds what is no text")
     for key in ("x", "columns"):
         if plot.get(key) not in ([""] if key == "columns" else []) + ["variant"] + axes:
             raise ReportError(4, f"{path} is damaged: plot {key} '{plot.get(key, '')}' is no axis of this run")
@@ -107,7 +119,7 @@ def readPlot(path, info, axes):
 def numbers(path, table, column):
     text = table[column]
     values = pandas.to_numeric(text.where(text != ""), errors="coerce")
-    broken = values.isna() & (text != "")
+    broken = (values.isna() | ~numpy.isfinite(values.fillna(0))) & (text != "")
     if broken.any():
         row = broken.idxmax()
         raise ReportError(4, f"{path}, line {row + 2}: '{text[row]}' in column {column} is not a number")
@@ -197,7 +209,7 @@ def readRun(folder):
     if unchecked:
         print(unchecked, file=sys.stderr)
     return Run(points, axes, describeMachine(info, sorted(set(times["backend"]) - {""})),
-               bool((plan.stress != "").any()), plot, info.get("motion", {}), leftOut)
+               bool((plan.stress != "").any()), plot, section(infoPath, info, "motion"), dict(zip(metrics.metric, metrics.unit)), leftOut)
 
 
 def varyingAxes(points, axes):

@@ -1,12 +1,11 @@
 """The work-precision diagram: error against frame time, log-log, a line per technique and a point per setting
 (the model is SciML's WorkPrecisionSet: failures stay in the picture, as words)."""
-import matplotlib.pyplot as plt
 import numpy
 from matplotlib import patheffects
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from figure import COLOURS, MARKERS, MUTED, addTexts, save
+from figure import COLOURS, MARKERS, MUTED, PAGE, Texts, layout, plainSize, save
 from results import BASELINES, naturalOrder, paretoFront, varyingAxes
 
 HALO = [patheffects.withStroke(linewidth=2, foreground="white")]  # keeps a label readable on a line
@@ -36,7 +35,7 @@ def drawLabels(axes, labels, markers):
         for dx, dy, ha, va in ((6, 4, "left", "bottom"), (-6, 4, "right", "bottom"), (6, -4, "left", "top"),
                                (-6, -4, "right", "top"), (0, 8, "center", "bottom"), (0, -8, "center", "top"),
                                (12, 12, "left", "bottom"), (-12, -12, "right", "top")):
-            label = axes.annotate(text, (x, y), (dx, dy), textcoords="offset points", ha=ha, va=va, fontsize=7,
+            label = axes.annotate(text, (x, y), (dx, dy), textcoords="offset points", ha=ha, va=va, fontsize=plainSize(7),
                                   color=colour, path_effects=HALO, zorder=6)
             box = label.get_window_extent(renderer)
             cost = sum(3 * box.overlaps(other) for other in taken)
@@ -53,9 +52,13 @@ def drawLabels(axes, labels, markers):
         taken.append(best[2])
 
 
+def intervals(points):
+    """95 % intervals of the frame times, as errorbar() wants them; no bar where there is none."""
+    return [(points.frame_ms - points.frame_lo).clip(lower=0).fillna(0), (points.frame_hi - points.frame_ms).clip(lower=0).fillna(0)]
+
+
 def drawPanel(axes, points, allAxes, styles):
-    """One scene at one size in one view. Returns the kinds of marks that the legend must explain."""
-    used = set()
+    """One scene at one size in one view."""
     shown = points[(points.state == "ok") & points.error.notna() & points.frame_ms.notna()]
     curves = shown[~shown.technique.isin(BASELINES)]
     positive = curves.error[curves.error > 0]
@@ -74,23 +77,22 @@ def drawPanel(axes, points, allAxes, styles):
             line = line.loc[sorted(line.index, key=lambda i: naturalOrder(line.loc[i, varied[0]]) if varied else 0)]
             y = height[line.index]
             axes.plot(line.frame_ms, y, color=colour, linewidth=1.3, alpha=0.8, zorder=3)
-            below = (line.frame_ms - line.frame_lo).clip(lower=0).fillna(0)
-            above = (line.frame_hi - line.frame_ms).clip(lower=0).fillna(0)
-            axes.errorbar(line.frame_ms, y, xerr=[below, above], fmt="none", ecolor=colour, elinewidth=1, capsize=2,
+            axes.errorbar(line.frame_ms, y, xerr=intervals(line), fmt="none", ecolor=colour, elinewidth=1, capsize=2,
                           zorder=3)
             for index, row in line.iterrows():
                 zero, flagged = row.error == 0, row["flags"] != ""
-                used |= {"zero"} if zero else set()
-                used |= {"flagged"} if flagged else set()
                 axes.plot(row.frame_ms, y[index], marker=11 if zero else marker, color=colour, markersize=7 if zero else 5,
                           markerfacecolor="white" if flagged else colour, zorder=4, clip_on=False)
                 markers.append((row.frame_ms, y[index]))
                 if row.varies and (len(curves) <= MAX_LABELS or index in front):
                     labels.append((row.frame_ms, y[index], row.varies, colour))
     if front:
-        used.add("front")
         x, y = curves.frame_ms[front], height[front]
-        axes.step(x, y, where="post", color="#bbbbbb", linewidth=4, zorder=1, solid_joinstyle="round")
+        # The front itself is that of the medians; its band is as wide as the intervals of their times.
+        corners = numpy.repeat(y.to_numpy(), 2)[:-1] if len(front) > 1 else y.to_numpy()
+        edge = lambda times: numpy.repeat(times.to_numpy(), 2)[1:] if len(front) > 1 else times.to_numpy()
+        axes.fill_betweenx(corners, edge(curves.frame_lo[front].fillna(x)), edge(curves.frame_hi[front].fillna(x)), color="#dddddd", linewidth=0, zorder=0.9)
+        axes.step(x, y, where="post", color="#bbbbbb", linewidth=3, zorder=1, solid_joinstyle="round")
         axes.plot(x, y, linestyle="none", marker="o", markersize=11, markerfacecolor="none", markeredgecolor="#444444",
                   markeredgewidth=1, zorder=5, clip_on=False)
 
@@ -98,20 +100,28 @@ def drawPanel(axes, points, allAxes, styles):
     axes.set_yscale("log")
     axes.margins(0.12, 0.12)
     if sensitivity:
-        used.add("sensitivity")
         axes.axhline(sensitivity, color=MUTED, linestyle=(0, (4, 3)), linewidth=1, zorder=2)
     for number, (baseline, style) in enumerate(zip(BASELINES, ("-", ":"))):
         for row in points[(points.technique == baseline) & points.frame_ms.notna()].head(1).itertuples():
             axes.axvline(row.frame_ms, color="#444444", linestyle=style, linewidth=1, zorder=2)
+            if row.frame_lo == row.frame_lo and row.frame_hi == row.frame_hi:  # not NaN
+                axes.axvspan(row.frame_lo, row.frame_hi, color="#444444", alpha=0.12, linewidth=0, zorder=0.8)
             axes.annotate(f"{baseline} {row.frame_ms:.3g} ms", (row.frame_ms, 0), (-3, 2), textcoords="offset points",
-                          xycoords=("data", "axes fraction"), rotation=90, ha="right", va="bottom", fontsize=7,
+                          xycoords=("data", "axes fraction"), rotation=90, ha="right", va="bottom", fontsize=plainSize(7),
                           color="#444444")
     plainTicks(axes.xaxis, lambda value: f"{value:g}")
     plainTicks(axes.yaxis, lambda value: f"{value * 100:g} %")
     axes.grid(True, which="major", color="#e6e6e6", linewidth=0.6, zorder=0)
     axes.set_axisbelow(True)
     drawLabels(axes, labels, markers)
-    return used
+
+
+def marksOf(points):
+    """The kinds of marks beside the techniques' own that a figure of these points has."""
+    drawn = points[(points.state == "ok") & points.error.notna() & points.frame_ms.notna() & ~points.technique.isin(BASELINES)]
+    marks = {"front": len(drawn), "sensitivity": (points.half_pixel_sensitivity > 0).any(), "zero": (drawn.error == 0).any(),
+             "flagged": (drawn["flags"] != "").any()}
+    return {name for name, has in marks.items() if has}
 
 
 def legendEntries(styles, used):
@@ -119,7 +129,7 @@ def legendEntries(styles, used):
                for name, (colour, marker) in styles.items()]
     extra = {
         "front": Line2D([], [], color="#bbbbbb", linewidth=4, marker="o", markersize=10, markerfacecolor="white",
-                        markeredgecolor="#444444", label="Pareto front"),
+                        markeredgecolor="#444444", label="Pareto front (95 %)"),
         "sensitivity": Line2D([], [], color=MUTED, linestyle=(0, (4, 3)), linewidth=1, label="half-pixel sensitivity"),
         "zero": Line2D([], [], color=MUTED, linestyle="none", marker=11, markersize=7, label="error 0 (see note)"),
         "flagged": Line2D([], [], color=MUTED, linestyle="none", marker="o", markerfacecolor="white", markersize=5,
@@ -151,29 +161,20 @@ def drawGroup(run, points, stem):
     views = list(dict.fromkeys(points["view"]))
     techniques = [t for t in dict.fromkeys(run.points.technique) if t not in BASELINES]
     styles = {t: (COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]) for i, t in enumerate(techniques)}
-    columns = min(len(views), 2)
-    rows = -(-len(views) // columns)
-    width, height = PANEL_SIZE[0] * columns + 1.6, PANEL_SIZE[1] * rows + 1.0
     notes = describeLost(points)
     if ((points.error == 0) & (points.state == "ok") & ~points.technique.isin(BASELINES)).any():
         notes.insert(0, "A logarithmic axis has no 0: ▼ points without a single wrong pixel stand on the half-pixel sensitivity "
                         "(or, without one, at half the least error).")
-    height += 0.145 * len(notes)
-    figure, panels = plt.subplots(rows, columns, figsize=(width, height), squeeze=False)
-    bottom, top = addTexts(figure, f"Error against frame time: {points.group.iloc[0]}", run.machine, notes,
-                           int(width * 15))
-    inches = height
-    figure.subplots_adjust(left=0.75 / width, right=1 - 1.75 / width, bottom=bottom + 0.5 / inches,
-                           top=top - 0.22 / inches, wspace=0.22, hspace=0.32)
-    used = set()
+    present = {t: s for t, s in styles.items() if t in set(points.technique[points.state == "ok"])}
+    columns = min(len(views), 2) if not PAGE.width or PAGE.width > 5 else 1
+    texts = Texts(f"Error against frame time: {points.group.iloc[0]}", run.machine, notes)
+    figure, panels = layout(PANEL_SIZE, columns, texts, legendEntries(present, marksOf(points)), [1.0] * -(-len(views) // columns))
     for axes, view in zip(panels.flat, views):
-        used |= drawPanel(axes, points[points["view"] == view], run.axes, styles)
-        axes.set_title(f"view {view}" if view else "", fontsize=9, loc="left")
-        axes.set_xlabel("median frame time, ms (bars: 95 % interval)")
-        axes.set_ylabel("error: share of wrong pixels")
+        drawPanel(axes, points[points["view"] == view], run.axes, styles)
+        axes.set_title(f"view {view}" if view else "", fontsize=plainSize(9), loc="left")
+        axes.set_xlabel("median frame time, ms (bars: 95 % interval)", fontsize=plainSize(9))
+        axes.set_ylabel("error: share of wrong pixels, %", fontsize=plainSize(9))
+        axes.tick_params(labelsize=plainSize(9))
     for axes in list(panels.flat)[len(views):]:
         axes.remove()
-    present = {t: s for t, s in styles.items() if t in set(points.technique[points.state == "ok"])}
-    figure.legend(handles=legendEntries(present, used), loc="upper left",
-                  bbox_to_anchor=(1 - 1.7 / width, top - 0.1 / inches), fontsize=8, labelspacing=0.7)
     return save(figure, stem)

@@ -1,14 +1,43 @@
+#include "base/error.h"
 #include "bench/scripts.h"
 #include "bench/verbs/verbs.h"
 
+#include <fmt/format.h>
+
+#include <cstdio>
+
 namespace dapple::bench {
+namespace {
+
+/// Throws UsageError for what is no width of a page.
+std::string inches(const std::string& text) {
+    double width = 0;
+    char unit[3] = "", rest = 0;
+    const int found = std::sscanf(text.c_str(), "%lf%2[in]%c", &width, unit, &rest);
+    if ((found != 1 && !(found == 2 && std::string(unit) == "in")) || !(width >= 2 && width <= 40))
+        throw base::UsageError(fmt::format("--width {}: write inches from 2 to 40, e.g. 3.33 or 7in", text));
+    return fmt::format("{}", width);
+}
+
+}  // namespace
 
 void addPlot(CLI::App& app) {
+    struct Options {
+        std::string folder, width;
+        bool noTitle = false;
+    };
     CLI::App* verb = app.add_subcommand("plot", "Draw the figures of a run: error against time, and what its sweep asks for");
-    auto folder = std::make_shared<std::string>();
-    verb->add_option("DIR", *folder, "folder of a run")->required();
-    verb->footer("Example:\n  dapple plot out/quick");
-    verb->callback([folder] { plotRun(*folder); });
+    auto options = std::make_shared<Options>();
+    verb->add_option("DIR", options->folder, "folder of a run")->required();
+    verb->add_option("--width", options->width, "inches that each figure is wide in print, e.g. 3.33 for a column, 7in for a page");
+    verb->add_flag("--no-title", options->noTitle, "leave out title and machine: a paper's caption says them");
+    verb->footer("Examples:\n  dapple plot out/quick\n  dapple plot out/f105 --width 3.33 --no-title");
+    verb->callback([options] {
+        std::vector<std::string> words;
+        if (!options->width.empty()) words = {"--width", inches(options->width)};
+        if (options->noTitle) words.emplace_back("--no-title");
+        plotRun(options->folder, words);
+    });
 }
 
 }  // namespace dapple::bench
