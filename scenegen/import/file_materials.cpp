@@ -5,6 +5,7 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <array>
 
 namespace dapple::scenegen {
 namespace fs = std::filesystem;
@@ -22,13 +23,14 @@ std::optional<base::Image8> decodeEmbedded(const aiTexture& texture, const std::
     return image;
 }
 
-Wrap wrapOf(aiTextureMapMode mode) { return mode == aiTextureMapMode_Mirror ? Wrap::mirror : mode == aiTextureMapMode_Wrap ? Wrap::repeat : Wrap::clamp; }
+Wrap wrapOf(aiTextureMapMode mode) {
+    return mode == aiTextureMapMode_Mirror ? Wrap::mirror : mode == aiTextureMapMode_Wrap ? Wrap::repeat : Wrap::clamp;
+}
 
-std::string texturePath(const aiMaterial& material, aiTextureType type, unsigned* uvChannel = nullptr, aiTextureMapMode* mode = nullptr) {
+std::string texturePath(const aiMaterial& material, aiTextureType type, unsigned* uvChannel = nullptr,
+                        std::array<aiTextureMapMode, 3>* modes = nullptr) {
     aiString path;
-    aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
-    if (material.GetTexture(type, 0, &path, nullptr, uvChannel, nullptr, nullptr, modes) != aiReturn_SUCCESS) return {};
-    if (mode) *mode = modes[0];
+    if (material.GetTexture(type, 0, &path, nullptr, uvChannel, nullptr, nullptr, modes ? modes->data() : nullptr) != aiReturn_SUCCESS) return {};
     return path.C_Str();
 }
 
@@ -88,12 +90,15 @@ FileMaterials readFileMaterials(const aiScene& scene, const fs::path& file, cons
         addTo(result.flatOfAssimp, m, -1, opacity);
 
         unsigned uvChannel = 0;
-        aiTextureMapMode mode = aiTextureMapMode_Wrap;
-        std::string colour = texturePath(source, aiTextureType_BASE_COLOR, &uvChannel, &mode);
-        if (colour.empty()) colour = texturePath(source, aiTextureType_DIFFUSE, &uvChannel, &mode);
+        std::array<aiTextureMapMode, 3> modes{aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
+        std::string colour = texturePath(source, aiTextureType_BASE_COLOR, &uvChannel, &modes);
+        if (colour.empty()) colour = texturePath(source, aiTextureType_DIFFUSE, &uvChannel, &modes);
         const bool hasColour = !colour.empty();
-        const std::string mask = hasColour ? texturePath(source, aiTextureType_OPACITY) : texturePath(source, aiTextureType_OPACITY, &uvChannel, &mode);
-        const int texture = hasColour || !mask.empty() ? textures.load({.colour = colour, .opacity = mask, .wrap = wrapOf(mode), .folder = {}}) : -1;
+        const std::string mask = hasColour ? texturePath(source, aiTextureType_OPACITY)
+                                           : texturePath(source, aiTextureType_OPACITY, &uvChannel, &modes);
+        int texture = -1;
+        if (hasColour || !mask.empty())
+            texture = textures.load({colour, mask, 0, wrapOf(modes[0]), wrapOf(modes[1]), {}});
         // Blender's old materials replace their colour and opacity by the texture's, AC3D adds emission to it up to white; and
         // many exporters leave a textured material black.
         const bool replaces = extension == ".blend" || extension == ".ac" || extension == ".acc";

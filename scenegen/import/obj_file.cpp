@@ -176,10 +176,10 @@ private:
         if (hasColour && hasMask &&
             (source.mask.scale != map.scale || source.mask.offset != map.offset || source.mask.clamp != map.clamp))
             notes_.add("-s, -o and -clamp of map_d are ignored where map_Kd says otherwise", source.name);
-        const int texture = hasColour || hasMask
-                                ? textures_.load({source.colour.file, source.mask.file, source.mask.channel,
-                                                  map.clamp ? Wrap::clamp : Wrap::repeat, folder})
-                                : -1;
+        const Wrap wrap = map.clamp ? Wrap::clamp : Wrap::repeat;
+        int texture = -1;
+        if (hasColour || hasMask)
+            texture = textures_.load({source.colour.file, source.mask.file, source.mask.channel, wrap, wrap, folder});
         noteOpacity(notes_, source.opacity, source.name);
         Look look{-1, -1, map.scale, map.offset};
         if (setOpacity(m, {}, -1, source.opacity)) look.flat = int(builder_.addMaterial(m));

@@ -237,7 +237,7 @@ private:
         m.albedo = glm::vec3(linearFromSrgb(0.6f));  // what Assimp takes
         Look look;
         look.flat = int(builder_.addMaterial(m));
-        if (!pictures_.empty()) m.texture = textures_.load({.colour = pictures_[0], .opacity = {}, .folder = {}});
+        if (!pictures_.empty()) m.texture = textures_.load({pictures_[0], {}, 0, Wrap::repeat, Wrap::repeat, {}});
         if (m.texture >= 0) m.albedo = glm::vec3(1);
         setOpacity(m, textures_.textures, m.texture, 1);
         look.textured = int(builder_.addMaterial(m));

@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "scenegen/import/file_access.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -86,46 +88,54 @@ fs::path findFile(const std::vector<fs::path>& folders, std::string name, Notes&
     return {};
 }
 
-TextureFiles::TextureFiles(const fs::path& file, const Sidecar& sidecar) {
+TextureFiles::TextureFiles(const fs::path& file, const Sidecar& sidecar) : budget_(file) {
     folders_.push_back(file.parent_path().empty() ? fs::path(".") : file.parent_path());
     folders_.insert(folders_.end(), sidecar.textures.begin(), sidecar.textures.end());
 }
 
 int TextureFiles::load(const Request& request) {
     const bool ownAlpha = request.opacity.empty() || (request.opacity == request.colour && request.channel == 0);
-    const std::string key = request.colour + '\n' + (ownAlpha ? "" : request.opacity) + '\n' + request.channel +
-                            char('0' + int(request.wrap)) + request.folder.string();
+    const std::string key =
+        fmt::format("{}\n{}\n{}{}{}{}", request.colour, ownAlpha ? "" : request.opacity, int(request.channel),
+                    int(request.wrapU), int(request.wrapV), request.folder.string());
     if (const auto it = index_.find(key); it != index_.end()) return it->second;
     int& index = index_[key];
     index = -1;
-    auto image =
-        request.colour.empty() ? base::Image8{1, 1, 4, {255, 255, 255, 255}} : read(request.colour, request.folder);
-    if (image && !ownAlpha) {
-        if (const auto mask = read(request.opacity, request.folder)) image = masked(*image, *mask, request.channel);
-        else if (request.colour.empty()) return -1;
-    }
+    const std::string& name = request.colour.empty() ? request.opacity : request.colour;
+    auto image = request.colour.empty() ? base::Image8{1, 1, 4, {255, 255, 255, 255}} : read(name, request.folder);
     if (!image) return -1;
+    if (const auto mask = ownAlpha ? std::nullopt : read(request.opacity, request.folder)) {
+        budget_.texels(size_t(std::max(image->width, mask->width)), size_t(std::max(image->height, mask->height)));
+        image = masked(*image, *mask, request.channel);
+    } else if (request.colour.empty()) {
+        return -1;
+    }
     index = int(textures.size());
-    textures.push_back(
-        {request.colour.empty() ? request.opacity : request.colour, std::move(*image), request.wrap, request.wrap});
+    textures.push_back({name, std::move(*image), request.wrapU, request.wrapV});
     return index;
 }
 
 std::optional<base::Image8> TextureFiles::read(const std::string& name, const fs::path& folder) {
+    std::vector<fs::path> folders = folders_;
+    if (!folder.empty()) folders.insert(folders.begin(), folder);
+    std::optional<base::Image8> image;
     try {
-        if (embedded)
-            if (auto image = embedded(name)) return image;
-        std::vector<fs::path> folders = folders_;
-        if (!folder.empty()) folders.insert(folders.begin(), folder);
-        if (const fs::path path = findFile(folders, name, notes); !path.empty()) return base::readImage(path);
-        notes.add("textures are not found, and their materials have flat colours without holes", name);
+        if (embedded) image = embedded(name);
+        if (!image) {
+            const fs::path path = findFile(folders, name, notes);
+            if (path.empty()) {
+                notes.add("textures are not found, and their materials have flat colours without holes", name);
+                return std::nullopt;
+            }
+            image = base::readImage(path);
+        }
     } catch (const base::UsageError&) {
-        notes.add(
-            "textures are damaged or of no format that is read, and their materials have "
-            "flat colours without holes",
-            name);
+        constexpr const char* kWhy = "textures are damaged or of no format that is read, and their materials have ";
+        notes.add(std::string(kWhy) + "flat colours without holes", name);
+        return std::nullopt;
     }
-    return std::nullopt;
+    budget_.texels(size_t(image->width), size_t(image->height));
+    return image;
 }
 
 bool setOpacity(Material& material, const std::vector<Texture>& textures, int texture, float factor, float cutoff) {

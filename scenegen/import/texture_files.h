@@ -1,5 +1,6 @@
 #pragma once
 
+#include "scenegen/import/budget.h"
 #include "scenegen/import/notes.h"
 #include "scenegen/import/sidecar.h"
 #include "scenegen/scene.h"
@@ -28,10 +29,11 @@ public:
         std::string colour;   ///< file name; empty: white
         std::string opacity;  ///< file name of a mask; empty: the colour's own alpha
         char channel = 0;     ///< of the mask: r, g, b, m (alpha), l (grey); 0: alpha if that has holes, else grey
-        Wrap wrap = Wrap::repeat;
+        Wrap wrapU = Wrap::repeat, wrapV = Wrap::repeat;
         std::filesystem::path folder;  ///< searched first; empty: none
     };
-    /// Index into `textures`; -1 when there is no such file or it cannot be decoded.
+    /// Index into `textures`; -1 when there is no such file or it cannot be decoded. Throws UsageError when all textures
+    /// together are larger than a scene file may ask for.
     int load(const Request& request);
 
     /// Pictures that the scene file itself holds; asked first.
@@ -43,6 +45,7 @@ private:
     std::optional<base::Image8> read(const std::string& name, const std::filesystem::path& folder);
 
     std::vector<std::filesystem::path> folders_;
+    Budget budget_;
     std::map<std::string, int> index_;
 };
 
