@@ -16,6 +16,16 @@ std::string lower(std::string_view word) {
     return s;
 }
 
+/// A comment is a # between blanks, or one that begins the line: "Material #25" is a name.
+std::string_view withoutComment(std::string_view line) {
+    const auto isBlank = [&](size_t at) { return at >= line.size() || kBlanks.find(line[at]) != std::string_view::npos; };
+    for (size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1)) {
+        const std::string_view before = line.substr(0, at);
+        if (trimmed(before).empty() || (isBlank(at - 1) && isBlank(at + 1))) return before;
+    }
+    return line;
+}
+
 glm::vec3 colour(std::string_view line, const glm::vec3& before, Notes& notes) {
     double r = 0, g = 0, b = 0;
     if (!cutNumber(line, r)) {  // "spectral FILE", "xyz X Y Z"
@@ -77,13 +87,13 @@ bool ObjLines::next(std::string_view& line) {
         if (more) line.remove_suffix(1);
         if (more || !joined_.empty()) joined_.append(line).append(more ? " " : "");
         else {
-            line = trimmed(line.substr(0, line.find('#')));
+            line = trimmed(withoutComment(line));
             if (!line.empty()) return true;
             more = true;  // to the next line that says something
         }
     }
     if (joined_.empty()) return false;
-    line = trimmed(std::string_view(joined_).substr(0, joined_.find('#')));
+    line = trimmed(withoutComment(joined_));
     return true;
 }
 

@@ -121,7 +121,7 @@ private:
 
     void addFace(std::string_view line, Faces& faces) {
         const size_t before = faces.corners.size();
-        for (std::string_view word = cutWord(line); !word.empty(); word = cutWord(line))
+        for (std::string_view word = cutWord(line); !word.empty() && word[0] != '#'; word = cutWord(line))
             faces.corners.push_back(corner(word));
         const size_t size = faces.corners.size() - before;
         if (size < 3) {

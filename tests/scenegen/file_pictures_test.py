@@ -1,4 +1,7 @@
 """Files that say one thing in several ways have one picture: the visibility image of each equals that of its control."""
+import base64
+import json
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -34,6 +37,23 @@ class FilePictures(unittest.TestCase):
                 for name in files:
                     with self.subTest(file=f"{folder}/{name}", what=what):
                         self.assertEqual(self.picture(FIXTURES / folder / name, what), expected)
+
+    def test_the_one_of_two_that_faces_inwards_is_turned(self):
+        """The control has the second box's triangles turned in the file."""
+        file = FIXTURES / "inside-out" / "one_of_two.gltf"
+        gltf = json.loads(file.read_text())
+        head, data = gltf["buffers"][0]["uri"].split(",")
+        data = bytearray(base64.b64decode(data))
+        first = gltf["bufferViews"][3]["byteOffset"] + 36 * 4
+        for at in range(first, first + 36 * 4, 12):
+            data[at + 4:at + 8], data[at + 8:at + 12] = data[at + 8:at + 12], data[at + 4:at + 8]
+        gltf["buffers"][0]["uri"] = head + "," + base64.b64encode(data).decode()
+        with tempfile.TemporaryDirectory() as folder:
+            control = Path(folder) / "one_of_two.gltf"
+            control.write_text(json.dumps(gltf))
+            shutil.copy(file.with_suffix(".toml"), folder)
+            for what in ["visibility", "error"]:
+                self.assertEqual(self.picture(file, what), self.picture(control, what), what)
 
     def test_the_controls_differ(self):
         pictures = {self.picture(FIXTURES / "mtl-opacity" / f"{name}.obj", "visibility") for name in ["control", "nothing", "s2_control"]}

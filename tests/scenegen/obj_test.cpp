@@ -138,6 +138,16 @@ TEST_F(Obj, librariesAndTexturesAreFoundWhereTheyAre) {
               glm::vec3(1, 0, 0));
 }
 
+TEST_F(Obj, aNumberSignMayBeOfAName) {
+    base::writePng(folder_ / "leaf #2.png", halves(4, 4));
+    write("m#1.mtl", "# made by hand\nnewmtl Material #25 # of a leaf\nmap_Kd leaf #2.png\n");
+    std::string card = kCard;
+    card.replace(card.find("usemtl leaf"), 11, "usemtl Material #25");
+    card.replace(card.rfind('\n'), 1, " #one face\n#the end");
+    const Scene scene = importFile(write("x.obj", "  # a card\nmtllib m#1.mtl\n" + card));
+    EXPECT_TRUE(scene.facts().alphaTested && scene.notes.empty());
+}
+
 TEST_F(Obj, whatIsNotFoundIsNamed) {
     const Scene scene = importFile(write("x.obj", "mtllib gone.mtl\n" + kCard));
     EXPECT_TRUE(hasNote(scene, "material libraries are not found, and their materials are grey ('gone.mtl')"));
