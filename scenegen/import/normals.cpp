@@ -1,10 +1,30 @@
 #include "scenegen/import/normals.h"
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <tuple>
 
 namespace dapple::scenegen {
+namespace {
+
+constexpr size_t kMany = 64;  ///< faces round a position; beyond, those that face alike are added up first
+
+/// Sums of faces that face alike to 0.1 degrees: a roof of 50,000 corners may have one that all its triangles share.
+std::vector<glm::dvec3> alike(const std::vector<glm::dvec3>& normals, const std::vector<uint32_t>& faces) {
+    std::map<std::array<long, 3>, glm::dvec3> sums;
+    for (const uint32_t f : faces) {
+        const double length = glm::length(normals[f]);
+        if (!(length > 0)) continue;
+        const glm::dvec3 n = normals[f] * (512 / length);
+        sums[{std::lround(n.x), std::lround(n.y), std::lround(n.z)}] += normals[f];
+    }
+    std::vector<glm::dvec3> list;
+    for (const auto& [key, sum] : sums) list.push_back(sum);
+    return list;
+}
+
+}  // namespace
 
 void generateNormals(Mesh& mesh, double creaseDegrees) {
     using Point = std::array<float, 3>;
@@ -18,6 +38,10 @@ void generateNormals(Mesh& mesh, double creaseDegrees) {
         for (int k = 0; k < 3; ++k) facesAt[pointOf(v[k])].push_back(f);
     }
 
+    std::map<Point, std::vector<glm::dvec3>> crowded;
+    for (const auto& [point, faces] : facesAt)
+        if (faces.size() > kMany) crowded.emplace(point, alike(faceNormals, faces));
+
     Mesh out;
     out.material = mesh.material;
     const double limit = std::cos(glm::radians(creaseDegrees));
@@ -26,8 +50,14 @@ void generateNormals(Mesh& mesh, double creaseDegrees) {
         const uint32_t v = mesh.indices[i];
         const glm::dvec3 own = faceNormals[i / 3];
         glm::dvec3 sum(0);
-        for (const uint32_t f : facesAt[pointOf(v)])
-            if (glm::dot(own, faceNormals[f]) >= limit * glm::length(own) * glm::length(faceNormals[f])) sum += faceNormals[f];
+        const auto add = [&](const glm::dvec3& n) {
+            if (glm::dot(own, n) >= limit * glm::length(own) * glm::length(n)) sum += n;
+        };
+        const Point point = pointOf(v);
+        if (const std::vector<uint32_t>& faces = facesAt[point]; faces.size() <= kMany)
+            for (const uint32_t f : faces) add(faceNormals[f]);
+        else
+            for (const glm::dvec3& n : crowded.at(point)) add(n);
         const glm::vec3 n = glm::length(sum) > 0 ? glm::vec3(glm::normalize(sum)) : glm::vec3(0);
         const auto [it, isNew] = known.emplace(std::tuple(v, n.x, n.y, n.z), uint32_t(out.positions.size()));
         if (isNew) {

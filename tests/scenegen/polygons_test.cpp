@@ -2,7 +2,7 @@
 
 #include "scenegen/files.h"
 
-#include <numeric>
+#include <chrono>
 #include <random>
 
 // Oracles: areas by hand, and Gauss's formula for the polygon.
@@ -142,6 +142,30 @@ TEST_F(PolygonFiles, objAndPlyAndOffRoofs) {
                         points + faces))),
                 whole, 1e-3);
     EXPECT_NEAR(area(importFile(write("l.off", "OFF\n10 2 0\n" + points + faces))), whole, 1e-3);
+}
+
+TEST_F(PolygonFiles, manyTrianglesRoundACornerTakeNoTimeOfTheirSquare) {
+    // A flat fan and the side of a cone, each of 40,000 triangles at one vertex: their pairs would take a minute.
+    constexpr int kCount = 40000;
+    write("fan.toml", "[[view]]\nname = \"v\"\neye = [0, -9, 9]\ntarget = [0, 0, 0]\n");
+    for (const double height : {0.0, 0.5, 4.0}) {
+        std::string obj = fmt::format("v 0 {} 0\n", height);
+        for (int i = 0; i < kCount; ++i) {
+            const double a = 2 * glm::pi<double>() * i / kCount;
+            obj += fmt::format("v {:.9f} 0 {:.9f}\n", 100 * std::cos(a), 100 * std::sin(a));
+        }
+        for (int i = 0; i < kCount; ++i) obj += fmt::format("f 1 {} {}\n", i + 2, (i + 1) % kCount + 2);
+        const auto start = std::chrono::steady_clock::now();
+        const Scene scene = importFile(write("fan.obj", obj));
+        EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+        EXPECT_EQ(scene.facts().triangles, size_t(kCount));
+        // The tip's normal is the mean of all faces where they are not steeper than a crease: upright.
+        for (const Mesh& mesh : scene.prototypes.at(0).meshes)
+            for (size_t v = 0; v < mesh.positions.size(); ++v)
+                if (mesh.positions[v].x == 0 && mesh.positions[v].y == 0) {
+                    EXPECT_NEAR(std::abs(mesh.normals[v].z), 1, 1e-3) << height;
+                }
+    }
 }
 
 TEST_F(PolygonFiles, oneThatCrossesItselfIsNoted) {
