@@ -3,80 +3,40 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/file_name.h"
-#include "base/hash.h"
 #include "bench/light_picture.h"
+#include "bench/sidecar.h"
 #include "frame/overlays.h"
+#include "truth/metrics.h"
 
 #include <fmt/format.h>
-#include <glm/gtc/type_ptr.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 
 namespace dapple::bench {
 namespace {
 
-using nlohmann::json;
+constexpr float kAmbiguous = -2, kExcluded = -3;  // of the .exr of reference and error
 
-const std::array<PictureKind, 10> kKinds{{{"shaded", "the lit picture"},
-                                         {"visibility", "the technique's visibility image V"},
-                                         {"reference", "ray-traced truth: lit, shadowed, ambiguous, excluded"},
-                                         {"error", "V against the truth: false shadow red, false light blue"},
-                                         {"overdraw", "fragments per pixel"},
-                                         {"candidates", "pixels inside the casters' shadow volumes: lit green, in shadow red"},
-                                         {"depth", "distance along the view"},
-                                         {"map", "the shadow map, or all maps side by side"},
-                                         {"casters", "the sun's view of each map: casters left out grey, drawn orange, darkening what is in sight blue; receivers yellow"},
-                                         {"masks", "the maps, and in yellow the masks of receivers in sight (cull receivers, cull pyramid)"}}};
-
-json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-/// Rows of a matrix, as one writes it on paper: clip = M · (x, y, z, 1).
-json matrixJson(const glm::dmat4& m) {
-    json rows = json::array();
-    for (int r = 0; r < 4; ++r) rows.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
-    return rows;
-}
-
-json sidecar(const SharedFrame& shared, const shadow::Renderer& renderer, const PointSpec& spec, const std::string& what) {
-    const frame::Camera& camera = shared.frame.camera();
-    const scenegen::Scene& scene = shared.loaded->scene;
-    json passes = json::array(), matrices = json::array();
-    for (const frame::Pass& pass : renderer.passes()) {
-        json entry{{"name", pass.name}, {"why", pass.why}};
-        if (!pass.leftOut.empty()) entry["left_out"] = pass.leftOut;
-        passes.push_back(entry);
-    }
-    if (renderer.technique())
-        for (const shadow::LightMatrix& m : renderer.technique()->matrices())
-            matrices.push_back({{"name", m.name}, {"clip_from_relative", matrixJson(m.clipFromRelative)}});
-    return {{"what", what},
-            {"scene", spec.scene},
-            {"scene_hash", base::hex16(shared.loaded->hash)},
-            {"scene_origin_m", vectorJson(scene.origin)},
-            {"technique", spec.technique},
-            {"settings", spec.settings},
-            {"stress", spec.stressCase},
-            {"fallback", renderer.fallback()},
-            {"width", camera.width},
-            {"height", camera.height},
-            {"convention", "metres; right-handed, z up; points are relative to the eye; matrices are lists of rows, clip = M (x, y, z, 1); "
-                           "clip z in [0, 1], camera depth reversed (1 = near); texture v grows upwards in light maps"},
-            {"camera",
-             {{"view", spec.view},
-              {"eye_from_origin_m", vectorJson(camera.eye)},
-              {"right", vectorJson(camera.right)},
-              {"up", vectorJson(camera.up)},
-              {"forward", vectorJson(camera.forward)},
-              {"near_m", camera.near},
-              {"far_m", camera.far},
-              {"tan_half_fov", {camera.tanX, camera.tanY}},
-              {"clip_from_relative", matrixJson(camera.clipFromRelative)}}},
-            {"sun", {{"azimuth_deg", scene.sun.azimuth}, {"elevation_deg", scene.sun.elevation}, {"light_direction", vectorJson(shared.frame.light())}}},
-            {"light_matrices", matrices},
-            {"passes", passes}};
-}
+const std::array<PictureKind, 11> kKinds{{
+    {"shaded", "the lit picture", "linear R, G, B of the 8-bit picture, 0 to 1"},
+    {"visibility", "the technique's visibility image V", "V: share of the sun's light that arrives, 0 dark to 1 lit"},
+    {"reference", "ray-traced truth: lit, shadowed, ambiguous, excluded",
+     "G: share of the sun's light that arrives, 0 dark to 1 lit; -2 ambiguous, -3 excluded (sky, or turned away from the sun)"},
+    {"error", "V against the truth: false shadow red, false light blue",
+     "V - G, from -1 to 1 (a V that is no number counts as wholly wrong); -2 ambiguous, -3 excluded (sky, or turned away from the sun). mean_absolute is "
+     "the mean of |V - G| over all other pixels; error is the share of them where V and G lie on different sides of 1/2"},
+    {"overdraw", "fragments per pixel", "fragments of the pixel"},
+    {"candidates", "pixels inside the casters' shadow volumes: lit green, in shadow red", "casters' shadow volumes that hold the pixel's receiver"},
+    {"depth", "distance along the view", "metres along camera.forward; 0 sky"},
+    {"normals", "geometric normals of what is in sight", "unit vector x, y, z in world axes, on the viewer's side; 0, 0, 0 sky"},
+    {"map", "the shadow map, or all maps side by side",
+     "depth from the sun, 0 to 1 as light_matrices has it, 1 where nothing was drawn; layer 0 first, further layers under each other, "
+     "the first row of each is the one with the greatest v"},
+    {"casters", "the sun's view of each map: casters left out grey, drawn orange, darkening what is in sight blue; receivers yellow", ""},
+    {"masks", "the maps, and in yellow the masks of receivers in sight (cull receivers, cull pyramid)", ""}}};
 
 std::vector<base::ImageF> mapLayers(const frame::Frame& frame, const gl::Texture& map) {
     std::vector<base::ImageF> layers;
@@ -91,10 +51,29 @@ void requireReplaceable(const std::filesystem::path& picture, const std::filesys
     for (const std::filesystem::path& written : {picture, beside}) base::requireNotAnInput(written);
     if (!std::filesystem::exists(beside)) return;
     std::ifstream stream(beside);
-    const json known = json::parse(stream, nullptr, false);
+    const nlohmann::json known = nlohmann::json::parse(stream, nullptr, false);
     if (!known.is_object() || !known.contains("scene_hash") || !known.contains("light_matrices"))
         throw base::UsageError(fmt::format("{} is not a picture's and would be replaced by the one that goes with {}; name another file with -o",
                                            beside.string(), picture.string()));
+}
+
+/// What a figure of the error makes of every pixel, or the truth itself.
+base::ImageF judged(const truth::Reference& reference, const std::vector<float>* visibility) {
+    std::vector<float> values(reference.label.size());
+    for (size_t i = 0; i < values.size(); ++i) {
+        const truth::Label label = reference.label[i];
+        if (label == truth::Label::ambiguous) values[i] = kAmbiguous;
+        else if (label == truth::Label::excluded) values[i] = kExcluded;
+        else values[i] = visibility ? truth::difference(reference, i, (*visibility)[i]) : reference.value(i);
+    }
+    return channel(std::move(values), reference.width, reference.height);
+}
+
+base::ImageF normalsOf(const truth::Receivers& seen) {
+    base::ImageF image{seen.width, seen.height, 3, {}};
+    for (size_t i = 0; i < seen.present.size(); ++i)
+        for (int k = 0; k < 3; ++k) image.texels.push_back(seen.present[i] ? seen.normal[i][k] : 0);
+    return image;
 }
 
 }  // namespace
@@ -104,11 +83,13 @@ std::span<const PictureKind> pictureKinds() { return kKinds; }
 void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::string& what, const std::filesystem::path& file) {
     std::vector<std::string> known;
     for (const PictureKind& kind : kKinds) known.push_back(kind.name);
-    if (std::find(known.begin(), known.end(), what) == known.end()) throw base::UsageError(base::unknownName("picture", what, known));
+    const auto kind = std::ranges::find(kKinds, what, &PictureKind::name);
+    if (kind == kKinds.end()) throw base::UsageError(base::unknownName("picture", what, known));
     const std::string suffix = file.extension().string();
     if (suffix != ".png" && suffix != ".exr") throw base::UsageError(fmt::format("{}: a picture ends in .png or .exr", file.string()));
     const bool numbers = suffix == ".exr";
     const std::filesystem::path beside = std::filesystem::path(file).replace_extension(".json");
+    if (numbers && kind->values.empty()) throw base::UsageError(fmt::format("{} is a picture in false colours: .png", what));
 
     const auto shared = workbench.sharedFrame(spec);
     requireReplaceable(file, beside);
@@ -148,8 +129,10 @@ void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::str
         values = frame.readChannel(frame.depth());
         picture = frame::paintDepth(values, frame.camera());
         for (float& d : values.texels) d = d == 0 ? 0 : float(frame.camera().eyeDepth(double(d)));
+    } else if (what == "normals") {
+        values = normalsOf(frame.readReceivers());
+        picture = frame::paintNormals(values);
     } else if (what == "casters" || what == "masks") {
-        if (numbers) throw base::UsageError(fmt::format("{} is a picture in false colours: .png", what));
         picture = what == "casters" ? paintCastersDrawn(*shared, renderer) : paintReceiverMasks(*shared, renderer);
     } else if (what == "map") {
         const std::vector<base::ImageF> layers = mapLayers(frame, *map);
@@ -162,19 +145,11 @@ void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::str
         const std::vector<float> v = renderer.visibility();
         const truth::Reference& reference = shared->reference();
         picture = what == "error" ? frame::paintError(shaded, reference, v) : frame::paintReference(reference);
-        std::vector<float> numbersOf(v.size());
-        for (size_t i = 0; i < v.size(); ++i) {
-            const truth::Label label = reference.label[i];
-            const bool decided = label == truth::Label::lit || label == truth::Label::shadowed;
-            const float g = label == truth::Label::lit ? 1.f : 0.f;
-            // reference: 1 lit, 0 dark, −1 not decided; error: V − G where G is decided, else 0.
-            numbersOf[i] = what == "error" ? (decided ? v[i] - g : 0.f) : (decided ? g : -1.f);
-        }
-        values = channel(std::move(numbersOf), w, h);
+        values = judged(reference, what == "error" ? &v : nullptr);
     }
     if (numbers) base::writeExr(file, values);
     else base::writePng(file, picture);
-    base::writeFile(beside, sidecar(*shared, renderer, spec, what).dump(2) + "\n");
+    base::writeFile(beside, sidecar(*shared, renderer, spec, *kind));
 }
 
 }  // namespace dapple::bench

@@ -4,17 +4,16 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <cstdlib>
 
 namespace dapple::bench {
 namespace {
 
 /// Throws UsageError for what is no width of a page.
 std::string inches(const std::string& text) {
-    double width = 0;
-    char unit[3] = "", rest = 0;
-    const int found = std::sscanf(text.c_str(), "%lf%2[in]%c", &width, unit, &rest);
-    if ((found != 1 && !(found == 2 && std::string(unit) == "in")) || !(width >= 2 && width <= 40))
+    char* rest = nullptr;
+    const double width = std::strtod(text.c_str(), &rest);
+    if ((*rest != '\0' && std::string(rest) != "in") || !(width >= 2 && width <= 40))
         throw base::UsageError(fmt::format("--width {}: write inches from 2 to 40, e.g. 3.33 or 7in", text));
     return fmt::format("{}", width);
 }

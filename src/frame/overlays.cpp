@@ -47,8 +47,8 @@ base::Image8 paintVisibility(std::span<const float> visibility, int width, int h
 base::Image8 paintReference(const truth::Reference& reference) {
     return paint(reference.width, reference.height, [&](size_t i) -> Colour {
         switch (reference.label[i]) {
-            case truth::Label::lit: return {255, 255, 255};
-            case truth::Label::shadowed: return {0, 0, 0};
+            case truth::Label::lit:
+            case truth::Label::shadowed: return grey(reference.value(i));
             case truth::Label::ambiguous: return kAmbiguous;
             default: return kExcluded;
         }
@@ -77,6 +77,14 @@ base::Image8 paintCandidates(const base::Image8& shaded, const base::ImageF& vol
         const auto& c = visibility[i] < 1 ? kCandidateDark : kCandidateLit;
         const double strength = 0.4 + 0.6 * std::sqrt(light);  // the structure of the picture stays visible
         return {byte(c[0] * strength), byte(c[1] * strength), byte(c[2] * strength)};
+    });
+}
+
+base::Image8 paintNormals(const base::ImageF& normals) {
+    return paint(normals.width, normals.height, [&](size_t i) -> Colour {
+        const float* n = &normals.texels[3 * i];
+        if (n[0] == 0 && n[1] == 0 && n[2] == 0) return {0, 0, 0};
+        return {byte(0.5 + 0.5 * n[0]), byte(0.5 + 0.5 * n[1]), byte(0.5 + 0.5 * n[2])};
     });
 }
 

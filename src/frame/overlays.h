@@ -11,7 +11,7 @@ namespace dapple::frame {
 
 /// 0 black … 1 white.
 base::Image8 paintVisibility(std::span<const float> visibility, int width, int height);
-/// Lit white, shadowed black, ambiguous magenta, excluded slate.
+/// Lit white, shadowed black, between them what translucent casters let through; ambiguous magenta, excluded slate.
 base::Image8 paintReference(const truth::Reference& reference);
 /// Over a faded picture: false shadow red, false light blue, ambiguous magenta.
 base::Image8 paintError(const base::Image8& shaded, const truth::Reference& reference, std::span<const float> visibility);
@@ -22,6 +22,8 @@ base::Image8 paintOverdraw(const base::ImageF& counts);
 base::Image8 paintCandidates(const base::Image8& shaded, const base::ImageF& volumes, std::span<const float> visibility);
 /// Distance along the view, near light, far dark, logarithmic; sky black.
 base::Image8 paintDepth(const base::ImageF& depth, const Camera& camera);
+/// Unit normals, three channels: −1 … 1 as 0 … 255; sky black.
+base::Image8 paintNormals(const base::ImageF& normals);
 /// What a light's view shows: nothing, …
 enum class LightViewClass { nothing, receiver, leftOut, drawn, contributing };
 struct LightView {

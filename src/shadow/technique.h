@@ -16,6 +16,16 @@ namespace dapple::shadow {
 struct LightMatrix {
     std::string name;
     glm::dmat4 clipFromRelative;  ///< from metres relative to the eye (or as `name` says) to the map's clip space
+    /// What part of the view a map of the scene serves.
+    struct Slice {
+        int layer = 0;                    ///< of Technique::map()
+        double from = 0, to = 0;          ///< metres of eye depth
+        double depthStep = 0;             ///< metres along the light
+        std::optional<glm::dvec2> texel;  ///< extent along u and v, metres; empty: warped
+        glm::dvec3 u{0}, v{0};            ///< unit, across the light
+        bool used = false;                ///< some caster can reach it
+    };
+    std::optional<Slice> slice = {};  ///< empty: a map of one object
 };
 
 /// How far maps in use are behind the sun and their objects: 0 where none is.

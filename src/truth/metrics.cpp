@@ -66,6 +66,11 @@ double share(size_t part, size_t whole) { return whole == 0 ? 0.0 : double(part)
 
 }  // namespace
 
+float difference(const Reference& reference, size_t pixel, float visibility) {
+    const float g = reference.value(pixel), d = visibility - g;
+    return std::isfinite(d) ? d : g < 0.5f ? 1.f : -1.f;
+}
+
 ErrorMetrics measureError(const Reference& reference, std::span<const float> visibility) {
     const size_t pixels = reference.label.size();
     assert(visibility.size() == pixels);
@@ -89,8 +94,7 @@ ErrorMetrics measureError(const Reference& reference, std::span<const float> vis
     double sum = 0;
     for (size_t i = 0; i < pixels; ++i) {
         if (!inOmega(reference.label[i])) continue;
-        const double difference = std::abs(double(visibility[i]) - double(reference.value(i)));
-        sum += std::isfinite(difference) ? difference : 1.0;  // no visibility at all is wholly wrong
+        sum += std::abs(double(difference(reference, i, visibility[i])));
         if (darkG[i] != darkV[i]) ++wrong[darkG[i]][toG[i] > kBoundaryPixels];
     }
     m.meanAbsolute = sum / double(n.omega);

@@ -29,6 +29,9 @@ struct ErrorMetrics {
     std::optional<double> edgeMean, edgeP95, edgeMax;
 };
 
+/// V − G of a pixel of Ω: what meanAbsolute is the mean of. ±1 for a V that is not finite.
+float difference(const Reference& reference, size_t pixel, float visibility);
+
 /// `visibility`: width · height of the reference, rows from the top, 0 = shadow, 1 = lit.
 ErrorMetrics measureError(const Reference& reference, std::span<const float> visibility);
 

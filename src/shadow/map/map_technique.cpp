@@ -89,7 +89,7 @@ public:
     std::vector<LightMatrix> matrices() const override {
         std::vector<LightMatrix> result;
         for (size_t i = 0; i < cascades_.size(); ++i)
-            if (!cascades_[i].fit.empty) result.push_back({fmt::format("map{}", i), cascades_[i].fit.clipFromRelative});
+            if (!cascades_[i].fit.empty) result.push_back({fmt::format("map{}", i), cascades_[i].fit.clipFromRelative, sliceOf(i)});
         return result;
     }
 
@@ -147,6 +147,21 @@ private:
         std::vector<uint32_t> items = c.culling->drawn();
         items.insert(items.end(), c.receivers.items.begin(), c.receivers.items.end());  // with a mask: drawn before
         return items;
+    }
+
+    /// As map_lookup.glsl divides the view.
+    LightMatrix::Slice sliceOf(size_t i) const {
+        const Cascade& c = cascades_[i];
+        const bool warped = kind_ == FitKind::lispsm;
+        return {int(i), i == 0 ? 0 : cascades_[i - 1].far, i + 1 == cascades_.size() ? frame_.camera().far : c.far, depthStep(c),
+                warped ? std::nullopt : std::optional(texelExtent(c)), basis_.u, basis_.v, needed(c).empty()};
+    }
+    static double depthStep(const Cascade& c) { return c.fit.depthRange * 0x1p-23; }
+    /// Metres along u and v: these rows of an orthographic matrix are unit axes over half the window's extent.
+    glm::dvec2 texelExtent(const Cascade& c) const {
+        const glm::dmat4& m = c.fit.clipFromRelative;
+        const auto extent = [&](int row) { return 2 / (size_ * glm::length(glm::dvec3(m[0][row], m[1][row], m[2][row]))); };
+        return {extent(0), extent(1)};
     }
 
     /// Of matrices()[matrix]: maps that nothing needs have none.
@@ -286,10 +301,8 @@ private:
         for (size_t i = 0; i < cascades_.size(); ++i) {
             const LightFit& fit = cascades_[i].fit;
             clips[i] = glm::mat4(fit.clipFromRelative);
-            // Rows u and v of an orthographic matrix are unit axes over half the window's extent.
-            const auto extent = [&](int row) { return 2 / (size_ * glm::length(glm::dvec3(fit.clipFromRelative[0][row], fit.clipFromRelative[1][row], fit.clipFromRelative[2][row]))); };
-            if (!fit.empty) texels[i] = {float(extent(0)), float(extent(1)), 0, 0};
-            splits[i] = {float(cascades_[i].far), float(fit.depthRange * 0x1p-23), needed(cascades_[i]).empty(), 0};
+            if (!fit.empty) texels[i] = glm::vec4(texelExtent(cascades_[i]), 0, 0);
+            splits[i] = {float(cascades_[i].far), float(depthStep(cascades_[i])), needed(cascades_[i]).empty(), 0};
         }
         frame_.setView(program);
         program.set("uBasisU", glm::vec3(basis_.u));
