@@ -24,15 +24,31 @@ touch "$file.part" 2> /dev/null || die "cannot write $file: name another place w
 stage=$(mktemp -d)
 trap 'rm -rf "$stage" "$file.part"' EXIT
 top=$stage/dapple
-mkdir -p "$top"/{bin,libexec,lib/c++,bench}
+mkdir -p "$top"/{bin,libexec,lib/c++,bench,licences}
 strip -o "$top/libexec/dapple" "$program"
 # The suite's data, found from the place of the program.
 cp -r "$root/shaders" "$top/"
 cp -r "$root/bench/sweeps" "$root/bench/report" "$top/bench/"
 (cd "$root" && find scenegen -name '*.toml' -exec cp --parents {} "$top/" \;)
-cp "$root/README.md" "$top/"
+cp "$root/README.md" "$root/LICENSE" "$top/"
 git -C "$root" describe --always --abbrev=40 --dirty --exclude='*' > "$top/commit" 2> /dev/null || rm "$top/commit"
 find "$top" -name __pycache__ -prune -exec rm -r {} +
+
+# keepLicence PACKAGE
+keepLicence() {
+    [[ ! -e $top/licences/$1 ]] || return 0
+    local text=/usr/share/doc/$1/copyright
+    [[ -e $text ]] || die "no licence of package $1 at $text: a bundle must carry it"
+    cp -L "$text" "$top/licences/$1"
+}
+
+# packageOf FILE
+packageOf() {
+    local name path=${1#/usr}
+    name=$(dpkg-query -S "/usr$path" "$path" "$(readlink -f "$1")" 2> /dev/null | head -n 1) || true
+    [[ -n $name ]] || die "no package owns $1: its licence is unknown, and a bundle must carry it"
+    echo "${name%%[:,]*}"
+}
 
 # GL must be the machine's own, for it talks to the machine's driver; so must the C library, which loads it.
 while read -r name _ path _; do
@@ -40,13 +56,29 @@ while read -r name _ path _; do
         linux-vdso.* | /*) ;;
         libc.so.* | libm.so.* | libmvec.so.* | libpthread.so.* | libdl.so.* | librt.so.*) ;;
         libGL* | libEGL* | libOpenGL*) ;;
-        libstdc++.so.* | libgcc_s.so.*) cp -L "$path" "$top/lib/c++/$name" ;;
         *)
             [[ $path == /* ]] || die "$program needs $name, which is not found here"
-            cp -L "$path" "$top/lib/$name"
+            case $name in
+                libstdc++.so.* | libgcc_s.so.*) cp -L "$path" "$top/lib/c++/$name" ;;
+                *) cp -L "$path" "$top/lib/$name" ;;
+            esac
+            package=$(packageOf "$path")
+            keepLicence "$package"
             ;;
     esac
 done < <(ldd "$program")
+
+# Headers are compiled into the program: it carries their licences too, but for those of the tests.
+while read -r name _; do
+    case $name in
+        libgtest-dev | libbenchmark-dev) ;;
+        *-dev) keepLicence "$name" ;;
+    esac
+done < "$root/packages.txt"
+# Debian's files name these by their place on a Debian machine.
+for common in $(grep -rhoE '/usr/share/common-licenses/[A-Za-z0-9.+-]*[A-Za-z0-9]' "$top/licences" | sort -u); do
+    [[ ! -e $common ]] || cp -L "$common" "$top/licences/"
+done
 
 newest() { sort -uV | tail -n 1; }
 cxx=$(grep -aoE 'GLIBCXX_3\.4\.[0-9]+' "$top/lib/c++/libstdc++.so.6" | newest)

@@ -97,6 +97,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Workbench> makeFakeWorkbench(uint64_t seed, const shadow::Limits& limits) { return std::make_unique<FakeWorkbench>(seed, limits); }
+std::unique_ptr<Workbench> makeFakeWorkbench(uint64_t seed, const shadow::Limits& limits) {
+    return std::make_unique<FakeWorkbench>(seed, limits);
+}
 
 }  // namespace dapple::bench

@@ -53,8 +53,9 @@ void requireReplaceable(const std::filesystem::path& picture, const std::filesys
     std::ifstream stream(beside);
     const nlohmann::json known = nlohmann::json::parse(stream, nullptr, false);
     if (!known.is_object() || !known.contains("scene_hash") || !known.contains("light_matrices"))
-        throw base::UsageError(fmt::format("{} is not a picture's and would be replaced by the one that goes with {}; name another file with -o",
-                                           beside.string(), picture.string()));
+        throw base::UsageError(fmt::format(
+            "{} is not a picture's and would be replaced by the one that goes with {}; name another file with -o",
+            beside.string(), picture.string()));
 }
 
 /// What a figure of the error makes of every pixel, or the truth itself.

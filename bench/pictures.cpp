@@ -13,7 +13,8 @@
 namespace dapple::bench {
 namespace fs = std::filesystem;
 
-std::vector<std::string> renderPictures(const std::string& folder, Workbench& workbench, const Plan& plan, const std::vector<PlannedPoint>& points) {
+std::vector<std::string> renderPictures(const std::string& folder, Workbench& workbench, const Plan& plan,
+                                        const std::vector<PlannedPoint>& points) {
     std::vector<std::string> files;
     auto* gl = dynamic_cast<GlWorkbench*>(&workbench);
     if (!gl) return files;  // the fake workbench has nothing to show

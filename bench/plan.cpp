@@ -47,14 +47,17 @@ PointFilter::PointFilter(const std::vector<std::string>& patterns) {
     for (const std::string& pattern : patterns) {
         patterns_.push_back(std::make_shared<const re2::RE2>(pattern, options));
         if (!patterns_.back()->ok())
-            throw base::UsageError(fmt::format("--filter '{}' is no regular expression that RE2 takes ({}); write e.g. 'uniform|lispsm' or 'size=(512|1024)'",
-                                               base::shortened(pattern, 60), base::shortened(patterns_.back()->error(), 80)));
+            throw base::UsageError(
+                fmt::format("--filter '{}' is no regular expression that RE2 takes ({}); write e.g. 'uniform|lispsm' "
+                            "or 'size=(512|1024)'",
+                            base::shortened(pattern, 60), base::shortened(patterns_.back()->error(), 80)));
     }
 }
 
 bool PointFilter::accepts(const PointSpec& spec) const {
     const std::string text = fmt::format("{} {} {} {} {}", spec.scene, pointText(spec), spec.view, spec.stressCase, spec.variant);
-    return std::all_of(patterns_.begin(), patterns_.end(), [&](const auto& p) { return re2::RE2::PartialMatch(text, *p); });
+    return std::all_of(patterns_.begin(), patterns_.end(),
+                       [&](const auto& p) { return re2::RE2::PartialMatch(text, *p); });
 }
 
 std::string pointId(const PointSpec& spec, uint64_t sceneHash) {
@@ -101,9 +104,10 @@ std::vector<Comparison> Plan::comparisons() const {
 std::string Plan::differing(const PointSpec& spec) const {
     std::string text;
     for (const auto& [axis, value] : spec.settings) {
-        const bool varies = std::any_of(points.begin(), points.end(), [&, &axis = axis, &value = value](const PlannedPoint& other) {
-            return other.spec.technique == spec.technique && other.spec.settings.at(axis) != value;
-        });
+        const bool varies =
+            std::any_of(points.begin(), points.end(), [&, &axis = axis, &value = value](const PlannedPoint& other) {
+                return other.spec.technique == spec.technique && other.spec.settings.at(axis) != value;
+            });
         if (varies) text += fmt::format("{}{}={}", text.empty() ? "" : " ", axis, value);
     }
     return text;

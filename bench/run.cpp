@@ -69,7 +69,8 @@ private:
         std::vector<std::unique_ptr<OpenPoint>> open(count);
         const auto forEachPoint = [&](double shareBefore, double share, const auto& work) {
             for (size_t i = 0; i < count; ++i) {
-                report(index, shareBefore + share * static_cast<double>(i) / static_cast<double>(count), labels_[comparison.points[i]]);
+                report(index, shareBefore + share * static_cast<double>(i) / static_cast<double>(count),
+                       labels_[comparison.points[i]]);
                 if (findings[i].failure.empty()) findings[i].failure = failureOf([&] { work(i); });
                 if (!findings[i].failure.empty()) open[i].reset();
             }

@@ -112,7 +112,8 @@ const StressCase& stressCase(const std::string& name) {
     throw base::UsageError(base::unknownName("stress case", name, names));
 }
 
-scenegen::Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& settings, const std::string& stress) {
+scenegen::Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& settings,
+                          const std::string& stress) {
     Scene scene = scenegen::loadScene(nameOrFile, settings);
     if (stress.empty()) return scene;
     stressCase(stress).apply(scene);

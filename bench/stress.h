@@ -17,7 +17,8 @@ struct StressCase {
 std::span<const StressCase> stressCases();
 
 /// scenegen::loadScene() of a name or file, pushed to a case where one is named, without what then can stand nowhere.
-scenegen::Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& settings, const std::string& stressCase);
+scenegen::Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& settings,
+                          const std::string& stressCase);
 
 /// Throws UsageError naming the nearest known case.
 const StressCase& stressCase(const std::string& name);

@@ -50,8 +50,8 @@ struct SweepFile {
 /// The sweeps in bench/sweeps, sorted by name.
 std::vector<SweepFile> listSweeps();
 
-/// `nameOrPath`: the name of a sweep in bench/sweeps, or a file; ./NAME is a file whatever its name. Throws UsageError of one line: no such sweep
-/// (with the nearest), or file, line and the rule that the file breaks.
+/// `nameOrPath`: the name of a sweep in bench/sweeps, or a file; ./NAME is a file whatever its name. Throws UsageError
+/// of one line: no such sweep (with the nearest), or file, line and the rule that the file breaks.
 Sweep readSweep(const std::string& nameOrPath);
 Sweep parseSweep(const std::string& toml, const std::string& fileName);
 

@@ -16,7 +16,8 @@ std::string alignColumns(const std::vector<std::vector<std::string>>& rows) {
     for (const auto& row : rows) {
         std::string line;
         for (size_t i = 0; i < row.size(); ++i)
-            line += row[i] + (i + 1 < row.size() ? std::string(widths[i] - base::textWidth(row[i]) + 2, ' ') : std::string{});
+            line += row[i] +
+                    (i + 1 < row.size() ? std::string(widths[i] - base::textWidth(row[i]) + 2, ' ') : std::string{});
         line.erase(line.find_last_not_of(' ') + 1);
         text += line + "\n";
     }

@@ -89,6 +89,21 @@ def testUnpacked(scratch):
     unwanted = [p.name for p in (top / "lib").rglob("*") if re.match(r"lib(c|m|GL.*|EGL.*|OpenGL.*)\.so", p.name)]
     check("neither libc nor GL is packed", not unwanted, unwanted)
 
+    licences = {path.name: path.read_text(errors="replace") for path in (top / "licences").iterdir()}
+    ours = (top / "LICENSE").read_text()
+    check("it carries its own licence", "the Dapple authors" in ours and "MIT" in ours)
+    shipped = {path.name for path in (top / "lib").rglob("*.so*")}
+    files = run("/usr/bin/dpkg-query", "-L", *licences).stdout
+    unlicensed = {name for name in shipped if name not in files}
+    check(f"and those of all {len(shipped)} libraries that it ships", shipped and not unlicensed, unlicensed)
+    check("and of what is compiled in",
+          {"libglm-dev", "libstb-dev", "libcli11-dev", "nlohmann-json3-dev"} <= set(licences), sorted(licences))
+    common = re.compile(r"/usr/share/common-licenses/([\w.+-]*\w)")
+    named = {name for text in licences.values() for name in common.findall(text)}
+    absent = {name for name in named if name not in licences and Path("/usr/share/common-licenses", name).exists()}
+    check("and the texts that these name", named and not absent, absent)
+    check("each of them says something", all(len(text) > 200 for text in licences.values()))
+
     fake = scratch / "tools"
     fake.mkdir()
     (fake / "getconf").write_text("#!/bin/sh\necho glibc 2.17\n")

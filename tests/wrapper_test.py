@@ -42,7 +42,7 @@ class Checkout:
             (shutil.copytree if source.is_dir() else shutil.copy2)(source, self.top / name)
         # Only these tools exist, so that what the machine has installed does not matter.
         for name in ["bash", "readlink", "dirname", "find", "mkdir", "touch", "mv", "grep", "flock", "tail", "env",
-                     "sleep", "cp", "true"]:
+                     "sleep", "cp", "true", "cat"]:
             (self.tools / name).symlink_to(shutil.which(name))
         record = f'echo "${{0##*/}} $*" >> {self.log}\n'
         writeTool(self.tools / "cmake", record +
@@ -145,6 +145,23 @@ def testForwarding(folder):
     check("and is tried again by the next call", checkout.call("list", "techniques").returncode == 2)
 
 
+def testHelp(folder):
+    checkout = Checkout(folder, missing=["xz-utils"])
+    for words in (["test", "--help"], ["test", "-h"], ["test", "-R", "truth", "--help"]):
+        done = checkout.call(*words)
+        check(f"{' '.join(words)} prints help and calls no tool",
+              done.returncode == 0 and not done.calls and done.stdout.startswith("Build everything")
+              and "ctest" in done.stdout and not done.stderr, (done, done.calls))
+        check("and makes nothing", not (checkout.top / "build").exists())
+    words = checkout.call("completion", "words", "--", "re")
+    check("completion before the first build is empty and builds nothing",
+          (words.returncode, words.stdout, words.stderr, words.calls) == (0, "", "", []), words)
+    checkout.call("list", "techniques")
+    (checkout.top / "CMakeLists.txt").touch()
+    words = checkout.call("completion", "words", "--", "re")
+    check("later it is the program's, and still builds nothing", (words.stdout, words.calls) == ("render\n", []), words)
+
+
 def testConcurrent(folder):
     checkout = Checkout(folder)
     running = [checkout.start("list", "techniques", env={"SLOW": "1"}) for _ in range(3)]
@@ -181,7 +198,7 @@ def testMissing(folder):
 
 
 testPackageList()
-for test in [testForwarding, testConcurrent, testMissing]:
+for test in [testForwarding, testHelp, testConcurrent, testMissing]:
     with tempfile.TemporaryDirectory() as folder:
         test(folder)
 sys.exit(failures > 0)

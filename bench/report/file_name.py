@@ -12,8 +12,8 @@ def shortHash(text):
 
 
 def fileName(name):
-    """What stands behind the name's last "/" as one part of a path. A hash follows where something was lost, so that two
-    names never share a file."""
+    """What stands behind the name's last "/" as one part of a path. A hash follows where something was lost, so that
+    two names never share a file."""
     part = ""
     for character in name.rpartition("/")[2]:
         if character in LEGAL:

@@ -130,7 +130,8 @@ void complete(const CLI::App& app, const std::string& shell, const Names& words)
         fmt::print("{}", script->second);
         return;
     }
-    if (shell != "words" || words.empty()) throw base::UsageError(base::unknownName("shell", shell, Names{"bash", "fish", "zsh"}));
+    if (shell != "words" || words.empty())
+        throw base::UsageError(base::unknownName("shell", shell, Names{"bash", "fish", "zsh"}));
     Names found = candidates(app, words);
     std::ranges::sort(found);
     found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -141,11 +142,13 @@ void complete(const CLI::App& app, const std::string& shell, const Names& words)
 }  // namespace
 
 void addCompletion(CLI::App& app) {
-    CLI::App* verb = app.add_subcommand("completion", "Print a script that lets a shell complete verbs, options, scenes, techniques, sweeps and axes");
+    CLI::App* verb = app.add_subcommand(
+        "completion", "Print a script that lets a shell complete verbs, options, scenes, techniques, sweeps and axes");
     auto shell = std::make_shared<std::string>();
     auto words = std::make_shared<Names>();
     verb->add_option("SHELL", *shell, "bash, fish or zsh")->required();
-    verb->add_option("WORDS", *words, "for the scripts: SHELL is `words`, and the last word is to be completed")->group("");
+    verb->add_option("WORDS", *words, "for the scripts: SHELL is `words`, and the last word is to be completed")
+        ->group("");
     verb->footer("Examples:\n  source <(dapple completion bash)\n  dapple completion zsh > ~/.zfunc/_dapple\n"
                  "  dapple completion fish > ~/.config/fish/completions/dapple.fish");
     verb->callback([&app, shell, words] { complete(app, *shell, *words); });

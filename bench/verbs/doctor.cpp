@@ -14,12 +14,14 @@ void requireTrusted(const measure::TimerReport& report, const std::string& backe
     if (report.chosen.empty()) throw base::Error(base::ExitCode::failed, "no timer can be trusted here");
     for (const measure::BackendVerdict& verdict : report.verdicts)
         if (verdict.backend == backend && !verdict.accepted)
-            throw base::Error(base::ExitCode::failed, fmt::format("timer {} cannot be trusted here: {}", backend, verdict.reason));
+            throw base::Error(base::ExitCode::failed,
+                              fmt::format("timer {} cannot be trusted here: {}", backend, verdict.reason));
 }
 
 void doctor(const GlobalOptions& global, bool asJson) {
     if (global.backend == "fake") {
-        const char* text = asJson ? R"({"devices": [], "timers": {"chosen": "fake"}})" : "timer fake needs no GL and invents its times, for tests of the tool";
+        const char* text = asJson ? R"({"devices": [], "timers": {"chosen": "fake"}})"
+                                  : "timer fake needs no GL and invents its times, for tests of the tool";
         fmt::print("{}\n", text);
         return;
     }
@@ -50,10 +52,13 @@ void doctor(const GlobalOptions& global, bool asJson) {
 }  // namespace
 
 void addDoctor(CLI::App& app) {
-    CLI::App* verb = app.add_subcommand("doctor", "Say what this machine's GL is, and which timer earns trust on it");
+    CLI::App* verb = app.add_subcommand(
+        "doctor",
+        "Say what this machine's GL is, and which timer is reliable here; with --backend, whether that one is");
     auto asJson = std::make_shared<bool>(false);
     verb->add_flag("--json", *asJson, "the same as JSON");
-    verb->footer("Examples:\n  dapple doctor\n  dapple doctor --device 1 --json\n  dapple doctor --backend gpu_elapsed   (exit code 5 where that timer cannot be trusted)");
+    verb->footer(
+        "Examples:\n  dapple doctor\n  dapple doctor --device 1 --json\n  dapple doctor --backend gpu_elapsed");
     verb->callback([&app, asJson] { doctor(globalOptions(app), *asJson); });
 }
 

@@ -37,7 +37,9 @@ std::span<const std::string> timerNames() {
 }
 
 void requireGl(const GlobalOptions& options, const std::string& verb) {
-    if (options.backend == "fake") throw base::UsageError(fmt::format("dapple {} draws pictures, and --backend fake draws none: leave it out", verb));
+    if (options.backend == "fake")
+        throw base::UsageError(
+            fmt::format("dapple {} draws pictures, and --backend fake draws none: leave it out", verb));
 }
 
 std::unique_ptr<Workbench> makeWorkbench(const CLI::App& app) {

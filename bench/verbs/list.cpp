@@ -23,7 +23,8 @@ using Json = nlohmann::ordered_json;
 Json scenes() {
     Json list = Json::array();
     for (const auto& entries : {scenegen::listScenes(), scenegen::listRealScenes()})
-        for (const scenegen::SceneEntry& s : entries) list.push_back({{"name", s.name}, {"description", s.description}});
+        for (const scenegen::SceneEntry& s : entries)
+            list.push_back({{"name", s.name}, {"description", s.description}});
     return list;
 }
 
@@ -56,7 +57,8 @@ Json metricNames() {
 
 Json sweeps() {
     Json list = Json::array();
-    for (const SweepFile& file : listSweeps()) list.push_back({{"name", file.name}, {"question", readSweep(file.path.string()).question}});
+    for (const SweepFile& file : listSweeps())
+        list.push_back({{"name", file.name}, {"question", readSweep(file.path.string()).question}});
     return list;
 }
 
@@ -66,16 +68,20 @@ Json stress() {
     return list;
 }
 
-/// A row for each item, a column for each of its keys; what an item maps, such as a technique's axes, stands in a row of its own.
+/// A row for each item, a column for each of its keys; what an item maps, such as a technique's axes, stands in a row
+/// of its own.
 std::vector<std::vector<std::string>> rowsOf(const Json& list) {
     std::vector<std::vector<std::string>> rows;
-    const auto texts = [](const Json& values, std::string_view between) { return fmt::format("{}", fmt::join(values.get<std::vector<std::string>>(), between)); };
+    const auto texts = [](const Json& values, std::string_view between) {
+        return fmt::format("{}", fmt::join(values.get<std::vector<std::string>>(), between));
+    };
     for (const Json& item : list) {
         std::vector<std::string> row;
         std::string below;
         for (const Json& value : item) {
             if (value.is_object())
-                for (const auto& [key, own] : value.items()) below += fmt::format("{}{}={}", below.empty() ? "" : " ", key, own.get<std::string>());
+                for (const auto& [key, own] : value.items())
+                    below += fmt::format("{}{}={}", below.empty() ? "" : " ", key, own.get<std::string>());
             else row.push_back(value.is_array() ? texts(value, ", ") : value.get<std::string>());
         }
         rows.push_back(row);

@@ -20,7 +20,8 @@ shadow::Limits limitsHere(const GlobalOptions& global) {
     } catch (const base::UsageError& none) {
         if (global.device >= 0) throw;
         const shadow::Limits usual;
-        base::logInfo(fmt::format("planned for textures of {}² texels and {} layers, as no GL is here: {}", usual.maxTextureSize, usual.maxArrayLayers, none.what()));
+        base::logInfo(fmt::format("planned for textures of {}² texels and {} layers, as no GL is here: {}",
+                                  usual.maxTextureSize, usual.maxArrayLayers, none.what()));
         return usual;
     }
 }
@@ -31,7 +32,9 @@ void addPlan(CLI::App& app) {
     CLI::App* verb = app.add_subcommand("plan", "Print the points of a sweep as plan.csv, and why others are pruned");
     auto options = std::make_shared<SweepOptions>();
     options->addTo(*verb);
-    verb->footer("Examples:\n  dapple plan quick\n  dapple plan bench/sweeps/forest-105.toml --filter 'uniform|lispsm' -a size=512,1024");
+    verb->footer(
+        "Examples:\n  dapple plan quick\n  dapple plan bench/sweeps/forest-105.toml --filter 'uniform|lispsm' -a "
+        "size=512,1024");
     verb->callback([&app, options] {
         const Sweep sweep = options->read();
         const PointFilter filter(options->filters);

@@ -11,13 +11,15 @@
 namespace dapple::bench {
 
 void PointOptions::addTo(CLI::App& verb) {
-    for (const auto& [name, value, text] : {std::tuple("scene", &scene, "name of a scene (dapple list scenes) or a file"),
-                                            std::tuple("technique", &technique, "name of a technique (dapple list techniques)")}) {
+    for (const auto& [name, value, text] :
+         {std::tuple("scene", &scene, "name of a scene (dapple list scenes) or a file"),
+          std::tuple("technique", &technique, "name of a technique (dapple list techniques)")}) {
         CLI::Option* option = verb.add_option(name, *value, text);
         if (value->empty()) option->required();
         else option->capture_default_str();
     }
-    verb.add_option("-a,--axis", axes, "axis=value, e.g. size=1024; may be repeated (dapple list axes)")->allow_extra_args(false);
+    verb.add_option("-a,--axis", axes, "axis=value, e.g. size=1024; may be repeated (dapple list axes)")
+        ->allow_extra_args(false);
     verb.add_option("-s,--set", settings, "key=value of the scene's recipe; may be repeated")->allow_extra_args(false);
     verb.add_option("--view", view, "name of a view (dapple scene NAME --stats lists them); the first if not named");
     verb.add_option("--stress", stress, "a stiff case to push the scene to (dapple list stress)");

@@ -18,8 +18,8 @@ struct PointOptions {
 
     /// Scene and technique are required where they are empty.
     void addTo(CLI::App& verb);
-    /// Throws UsageError: unknown technique, axis, value or stiff case, or a malformed resolution. The view is as it was
-    /// given: empty for the scene's first.
+    /// Throws UsageError: unknown technique, axis, value or stiff case, or a malformed resolution. The view is as it
+    /// was given: empty for the scene's first.
     PointSpec spec() const;
     shadow::Settings overrides() const;  ///< what -a asks for; throws UsageError for a malformed one
 };

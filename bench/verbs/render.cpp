@@ -28,7 +28,8 @@ void addRender(CLI::App& app) {
         requireGl(global, "render");
         PointSpec spec = point->spec();
         GlWorkbench workbench(global.device, "cpu_finish");  // pictures are not timed: the timer needs no self-test
-        if (spec.view.empty()) spec.view = workbench.sceneFacts(spec.scene, spec.sceneSettings, spec.stressCase).views.front();
+        if (spec.view.empty())
+            spec.view = workbench.sceneFacts(spec.scene, spec.sceneSettings, spec.stressCase).views.front();
         renderPicture(workbench, spec, *what, *file);
         base::logInfo("wrote " + *file);
     });

@@ -33,14 +33,17 @@ void printStats(const scenegen::Scene& scene, double seconds) {
         line("bounds [m]", fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", f.box.lo.x, f.box.lo.y, f.box.lo.z, f.box.hi.x, f.box.hi.y, f.box.hi.z));
     line("origin [m]", fmt::format("({:.10g}, {:.10g}, {:.10g})", scene.origin.x, scene.origin.y, scene.origin.z));
     line("sun [degrees]", fmt::format("azimuth {:.6g}, elevation {:.6g}", scene.sun.azimuth, scene.sun.elevation));
-    for (const scenegen::Sun& s : scene.furtherSuns) line("further sun", fmt::format("azimuth {:.6g}, elevation {:.6g}, strength {:.6g}", s.azimuth, s.elevation, s.strength));
+    for (const scenegen::Sun& s : scene.furtherSuns)
+        line("further sun",
+             fmt::format("azimuth {:.6g}, elevation {:.6g}, strength {:.6g}", s.azimuth, s.elevation, s.strength));
     for (const auto& [name, has] : {std::pair{"alpha-tested", f.alphaTested}, {"rotated", f.rotated}, {"scaled", f.scaled},
                                     {"closed casters", f.closed}, {"moving", f.moving}, {"casters", f.casters}, {"receivers", f.receivers}})
         line(name, fact(has));
     line("local lights", f.lights > 0 ? fmt::format("{}", f.lights) : "no");
     line("depth range", fmt::format("{:.6g} (largest far / near)", f.depthRange));
     for (const scenegen::View& v : scene.views)
-        line("view", fmt::format("{}: eye ({:.6g}, {:.6g}, {:.6g}), {:.4g}° across the height, {:.6g} … {:.6g} m", v.name, v.eye.x, v.eye.y, v.eye.z, v.fovY, v.near, v.far));
+        line("view", fmt::format("{}: eye ({:.6g}, {:.6g}, {:.6g}), {:.4g}° across the height, {:.6g} … {:.6g} m",
+                                 v.name, v.eye.x, v.eye.y, v.eye.z, v.fovY, v.near, v.far));
     const size_t packed = gpuscene::packedBytes(scene), instances = scene.instances.size() * sizeof(scenegen::Instance);
     line("memory", fmt::format("{:.1f} MiB of packed meshes, {:.1f} bytes per stored triangle; {:.1f} MiB of instances, {} bytes each", double(packed) / (1 << 20),
                                double(packed) / double(std::max<size_t>(f.uniqueTriangles, 1)), double(instances) / (1 << 20), sizeof(scenegen::Instance)));
@@ -58,7 +61,8 @@ void addScene(CLI::App& app) {
     CLI::App* verb = app.add_subcommand("scene", "Make or import a scene: print what it has, write it as glTF or OBJ, picture it");
     auto options = std::make_shared<Options>();
     verb->add_option("scene", options->scene, "name of a scene (dapple list scenes) or a file that Assimp opens")->required();
-    verb->add_option("-s,--set", options->settings, "key=value of the recipe; may be repeated")->allow_extra_args(false);
+    verb->add_option("-s,--set", options->settings, "key=value of the recipe; may be repeated")
+        ->allow_extra_args(false);
     verb->add_flag("--stats", options->stats, "print triangles, instances, bounds, facts, views, time and memory");
     verb->add_option("-o,--output", options->file, "FILE.glb: glTF 2.0 with instancing; FILE.obj: every instance written out");
     verb->add_option("--picture", options->picture, "FILE.png: a contact sheet of all views");

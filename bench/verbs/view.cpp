@@ -17,7 +17,8 @@ namespace {
 constexpr const char* kKeys = "W A S D Q E move, drag turns, N/P technique, Tab view, Esc quits";
 constexpr double kTap = 0.05;  ///< seconds that a key counts as held which went down and up between two frames
 
-/// What keys and mouse ask for. Key presses are collected by a callback: one that lies between two slow frames is not lost.
+/// What keys and mouse ask for. Key presses are collected by a callback: one that lies between two slow frames is not
+/// lost.
 class Input {
 public:
     explicit Input(GLFWwindow* window) : window_(window) {
@@ -48,11 +49,13 @@ public:
         const scenegen::View before = view;
         const glm::dvec3 right = glm::normalize(glm::cross(view.forward, {0, 0, 1}));
         const double speed = held(GLFW_KEY_LEFT_SHIFT) > 0 ? 30 : 6;  // metres per second
-        view.eye += speed * (view.forward * (held(GLFW_KEY_W) - held(GLFW_KEY_S)) + right * (held(GLFW_KEY_D) - held(GLFW_KEY_A)) +
+        view.eye += speed * (view.forward * (held(GLFW_KEY_W) - held(GLFW_KEY_S)) +
+                             right * (held(GLFW_KEY_D) - held(GLFW_KEY_A)) +
                              glm::dvec3(0, 0, 1) * (held(GLFW_KEY_E) - held(GLFW_KEY_Q)));
         if (dragged_ != glm::dvec2(0)) {
             const double yaw = std::atan2(view.forward.y, view.forward.x) - 0.004 * dragged_.x;
-            const double pitch = std::clamp(std::asin(std::clamp(view.forward.z, -1.0, 1.0)) - 0.004 * dragged_.y, -1.5, 1.5);
+            const double pitch =
+                std::clamp(std::asin(std::clamp(view.forward.z, -1.0, 1.0)) - 0.004 * dragged_.y, -1.5, 1.5);
             view.forward = {std::cos(pitch) * std::cos(yaw), std::cos(pitch) * std::sin(yaw), std::sin(pitch)};
             view.up = {0, 0, 1};
         }
@@ -70,7 +73,9 @@ private:
 };
 
 /// The techniques that the scene can have, each with those of the settings on the command line that it knows.
-std::vector<std::pair<shadow::TechniqueInfo, shadow::Settings>> choices(const scenegen::Scene& scene, const PointSpec& first, const shadow::Settings& asked) {
+std::vector<std::pair<shadow::TechniqueInfo, shadow::Settings>> choices(const scenegen::Scene& scene,
+                                                                        const PointSpec& first,
+                                                                        const shadow::Settings& asked) {
     std::vector<std::pair<shadow::TechniqueInfo, shadow::Settings>> found;
     for (const shadow::TechniqueInfo& info : shadow::techniques()) {
         shadow::Settings own = asked;
@@ -88,13 +93,15 @@ void present(GLFWwindow* window, GLuint source, int width, int height) {
     int w = 0, h = 0;
     glfwGetFramebufferSize(window, &w, &h);
     const double scale = std::min(double(w) / width, double(h) / height);
-    const int shownW = int(std::lround(scale * width)), shownH = int(std::lround(scale * height)), x = (w - shownW) / 2, y = (h - shownH) / 2;
+    const int shownW = int(std::lround(scale * width)), shownH = int(std::lround(scale * height)), x = (w - shownW) / 2,
+              y = (h - shownH) / 2;
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
     glDisable(GL_SCISSOR_TEST);
     const float black[4] = {0, 0, 0, 1};
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glClearBufferfv(GL_COLOR, 0, black);
-    glBlitNamedFramebuffer(source, 0, 0, 0, width, height, x, y, x + shownW, y + shownH, GL_COLOR_BUFFER_BIT, GL_LINEAR);
+    glBlitNamedFramebuffer(source, 0, 0, 0, width, height, x, y, x + shownW, y + shownH, GL_COLOR_BUFFER_BIT,
+                           GL_LINEAR);
     glfwSwapBuffers(window);
 }
 
@@ -139,8 +146,9 @@ void show(const PointOptions& options, int frames) {
         }
         renderer->render(silent);
         present(window, source, spec.width, spec.height);
-        glfwSetWindowTitle(window, fmt::format("{} | {} | {} | {:.1f} ms with swap | {}", scene.name, all[technique].first.name,
-                                               scene.views[named].name, 1e3 * seconds, kKeys).c_str());
+        glfwSetWindowTitle(window, fmt::format("{} | {} | {} | {:.1f} ms with swap | {}", scene.name,
+                                               all[technique].first.name, scene.views[named].name, 1e3 * seconds, kKeys)
+                                       .c_str());
     }
     glDeleteFramebuffers(1, &source);
     gl::checkErrors("the window's frames");
@@ -157,7 +165,9 @@ void addView(CLI::App& app) {
     options->addTo(*verb);
     auto frames = std::make_shared<int>(0);
     verb->add_option("--frames", *frames, "close after this many frames; 0: stay open")->capture_default_str();
-    verb->footer("Examples:\n  dapple view\n  dapple view forest-105 instanced -a size=1024 --view walk1\n  dapple view city-vienna -s scale=0.1 -r 800x600");
+    verb->footer(
+        "Examples:\n  dapple view\n  dapple view forest-105 instanced -a size=1024 --view walk1\n  dapple view "
+        "city-vienna -s scale=0.1 -r 800x600");
     verb->callback([&app, options, frames] {
         requireGl(globalOptions(app), "view");
         show(*options, *frames);

@@ -58,9 +58,9 @@ std::optional<size_t> indexOf(const std::string& step) {
     return std::stoul(step);
 }
 
-/// What `step` names below a node: a key, or an index of an array of tables. What is missing is made, a table or an array of
-/// tables, so that a setting can reach what the file leaves out; finish() rejects it where nobody asks for it. nullptr: the
-/// node has nothing below it, or the index leaves a gap.
+/// What `step` names below a node: a key, or an index of an array of tables. What is missing is made, a table or an
+/// array of tables, so that a setting can reach what the file leaves out; finish() rejects it where nobody asks for it.
+/// nullptr: the node has nothing below it, or the index leaves a gap.
 toml::node* below(toml::node& node, const std::string& step, bool wantsArray, const std::string& source) {
     toml::table made = toml::parse(wantsArray ? "v = []" : "v = {}", source);
     if (toml::table* table = node.as_table()) {

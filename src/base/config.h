@@ -28,8 +28,8 @@ public:
     ~ConfigTable();
 
     /// Replaces or adds a value before anything is read: "ground.size=50", "species.0.triangles=900"; the value is
-    /// TOML, or a text when it is not. Tables that the file leaves out are added, and so is the next one of an array: what is
-    /// not known is refused by the getters and by finish(). Call it on a root table. Errors name the setting.
+    /// TOML, or a text when it is not. Tables that the file leaves out are added, and so is the next one of an array:
+    /// what is not known is refused by the getters and by finish(). Call it on a root table. Errors name the setting.
     void set(const std::string& setting);
 
     bool has(std::string_view key) const;

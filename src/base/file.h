@@ -6,7 +6,8 @@
 
 namespace dapple::base {
 
-/// Whole file as bytes, which is an input from then on (noteInput() in file_name.h). Throws UsageError naming the path when it is missing, a folder or unreadable.
+/// Whole file as bytes, which is an input from then on (noteInput() in file_name.h). Throws UsageError naming the path
+/// when it is missing, a folder or unreadable.
 std::string readFile(const std::filesystem::path& path);
 
 /// Writes a file whole or not at all: temporary file beside it, fsync, rename. Creates parent folders.

@@ -58,8 +58,9 @@ void requireNotAnInput(const fs::path& path) {
     for (const fs::path& input : inputs().paths) {
         std::error_code error;
         if (fs::equivalent(path, input, error))
-            throw UsageError(fmt::format("{} is an input{} and would be replaced by what is written; name another file with -o", path.string(),
-                                         path == input ? "" : fmt::format(" ({})", input.string())));
+            throw UsageError(
+                fmt::format("{} is an input{} and would be replaced by what is written; name another file with -o",
+                            path.string(), path == input ? "" : fmt::format(" ({})", input.string())));
     }
 }
 

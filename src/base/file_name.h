@@ -6,9 +6,9 @@
 
 namespace dapple::base {
 
-/// A name (of a scene, a view, a variant, a texture) as one part of a path: what stands behind the last "/" is kept, of this
-/// letters, digits and . _ = + -, and all else becomes "-". A hash follows where something was lost, so that two names never
-/// share a file. It has at most 80 characters, and no leading dot. bench/report/file_name.py does the same.
+/// A name (of a scene, a view, a variant, a texture) as one part of a path: what stands behind the last "/" is kept, of
+/// this letters, digits and . _ = + -, and all else becomes "-". A hash follows where something was lost, so that two
+/// names never share a file. It has at most 80 characters, and no leading dot. bench/report/file_name.py does the same.
 std::string fileName(std::string_view name);
 
 /// Remembers that the user's file `path` is being read as input.

@@ -22,7 +22,8 @@ std::string clockText(double seconds) {
     return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-/// When the last line of any job was written where there is no terminal: a job within another must not double the lines.
+/// When the last line of any job was written where there is no terminal: a job within another must not double the
+/// lines.
 double lastPlainLine = -1e9;
 
 /// A terminal that cannot go back on its line is written to like a file.
@@ -37,7 +38,10 @@ void logInfo(std::string_view line) { fmt::print(stderr, "{}\n", line); }
 void logWarning(std::string_view line) { fmt::print(stderr, "dapple: warning: {}\n", line); }
 
 Progress::Progress(std::string title, size_t total)
-    : title_(std::move(title)), total_(std::max<size_t>(total, 1)), startSeconds_(nowSeconds()), lastSeconds_(startSeconds_) {}
+    : title_(std::move(title)),
+      total_(std::max<size_t>(total, 1)),
+      startSeconds_(nowSeconds()),
+      lastSeconds_(startSeconds_) {}
 
 Progress::~Progress() {
     if (drawn_ && redrawnColumns()) fmt::print(stderr, "\r\x1b[K");
@@ -56,8 +60,10 @@ void Progress::update(size_t done, std::string_view detail) {
     if (columns) {
         constexpr size_t kBar = 24;
         const auto filled = static_cast<size_t>(std::clamp(share, 0.0, 1.0) * kBar);
-        const std::string bar = *columns >= 72 ? fmt::format(" [{}{}]", std::string(filled, '#'), std::string(kBar - filled, '.')) : "";
-        const std::string line = fmt::format("{}{} {}  {}, {} left  {}", title_, bar, count, clockText(elapsed), left, detail);
+        const std::string bar =
+            *columns >= 72 ? fmt::format(" [{}{}]", std::string(filled, '#'), std::string(kBar - filled, '.')) : "";
+        const std::string line =
+            fmt::format("{}{} {}  {}, {} left  {}", title_, bar, count, clockText(elapsed), left, detail);
         fmt::print(stderr, "\r\x1b[K{}", shortened(line, *columns - 1));  // the last column would start a new line
     } else {
         fmt::print(stderr, "{}: {}, {} elapsed, {} left  {}\n", title_, count, clockText(elapsed), left, detail);

@@ -10,9 +10,9 @@ namespace dapple::base {
 void logInfo(std::string_view line);
 void logWarning(std::string_view line);
 
-/// Progress of one long job. On a terminal: a bar with an estimate of the time left, redrawn on one line that fits its width,
-/// silent until the job has taken two seconds. Elsewhere: a plain line at once, then one every 30 s,
-/// however many jobs there are.
+/// Progress of one long job. On a terminal: a bar with an estimate of the time left, redrawn on one line that fits its
+/// width, silent until the job has taken two seconds. Elsewhere: a plain line at once, then one every 30 s, however
+/// many jobs there are.
 class Progress {
 public:
     /// `total` steps of `what` ("points", "instances").

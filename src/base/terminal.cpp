@@ -39,7 +39,9 @@ std::optional<size_t> terminalColumns(int fd) {
     return ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsualColumns;
 }
 
-size_t textWidth(std::string_view text) { return static_cast<size_t>(std::count_if(text.begin(), text.end(), beginsCharacter)); }
+size_t textWidth(std::string_view text) {
+    return static_cast<size_t>(std::count_if(text.begin(), text.end(), beginsCharacter));
+}
 
 std::string shortened(std::string_view text, size_t columns) {
     if (textWidth(text) <= columns) return std::string(text);

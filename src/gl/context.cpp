@@ -19,7 +19,9 @@ namespace {
 
 /// libepoxy opens these on first use, and ends the process where it finds none: so we look first.
 void requireLibraries(bool egl) {
-    const auto found = [](const char* library) { return ::dlopen(library, RTLD_LAZY | RTLD_LOCAL) != nullptr; };  // epoxy needs it anyway
+    const auto found = [](const char* library) {
+        return ::dlopen(library, RTLD_LAZY | RTLD_LOCAL) != nullptr;
+    };  // epoxy needs it anyway
     std::vector<std::string> missing, packages;
     if (egl && !found("libEGL.so.1")) {
         missing.push_back("libEGL.so.1");
@@ -30,8 +32,11 @@ void requireLibraries(bool egl) {
         packages.push_back("libopengl0");
     }
     if (missing.empty()) return;
-    throw base::UsageError(fmt::format("{} cannot be loaded, so nothing can be drawn here: install the Debian packages {}, and a driver: libegl-mesa0 and "
-                                       "libgl1-mesa-dri for software rendering, or the GPU vendor's", fmt::join(missing, " and "), fmt::join(packages, " ")));
+    throw base::UsageError(
+        fmt::format("{} cannot be loaded, so nothing can be drawn here: install the Debian packages {}, and a driver: "
+                    "libegl-mesa0 and "
+                    "libgl1-mesa-dri for software rendering, or the GPU vendor's",
+                    fmt::join(missing, " and "), fmt::join(packages, " ")));
 }
 
 bool clientExtension(const char* name) { return epoxy_has_egl_extension(EGL_NO_DISPLAY, name); }

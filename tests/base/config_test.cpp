@@ -185,7 +185,8 @@ TEST(ConfigTable, SetReachesTablesThatTheFileLeavesOut) {
     std::optional<ConfigTable> misspelt = root.table("wind");
     misspelt->number("strength");
     misspelt->number("direction");
-    expectHolds(errorLine([&] { misspelt->finish(); }), "setting 'wind.strnegth=1': unknown key 'strnegth'; did you mean 'strength'?");
+    expectHolds(errorLine([&] { misspelt->finish(); }),
+                "setting 'wind.strnegth=1': unknown key 'strnegth'; did you mean 'strength'?");
     expectHolds(errorLine([&] { root.set("species.7.name=x"); }), "species.7.name=x");
     expectHolds(errorLine([&] { root.set("species.name=x"); }), "species.name=x");
 }

@@ -12,7 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(FileName, HarmlessNamesStayAndOthersAreEscaped) {
-    for (const char* same : {"forest-small", "walk0", "scale=0.1", "pcf3", "a.b", "x_1+2"}) EXPECT_EQ(fileName(same), same);
+    for (const char* same : {"forest-small", "walk0", "scale=0.1", "pcf3", "a.b", "x_1+2"})
+        EXPECT_EQ(fileName(same), same);
     // tests/bench/outputs_test.py expects the same of bench/report/file_name.py.
     EXPECT_EQ(fileName("../../../../X"), "X-eb159953");
     EXPECT_EQ(fileName("scale=4; trees=3"), "scale=4-trees=3-cd39eb58");
@@ -23,13 +24,17 @@ TEST(FileName, HarmlessNamesStayAndOthersAreEscaped) {
 TEST(FileName, IsOnePartOfAPathAndNoTwoNamesShareOne) {
     std::set<std::string> seen;
     const std::string long1(300, 'a'), long2 = std::string(299, 'a') + "b";
-    const std::vector<std::string> names{"..", ".", "...", "/", "a/b", "c/b", "b", "a b", "a-b", "a\tb", "a\nb", ".hidden", "-rf", "~", "$x^{6$", "a\\b", "",
-                                         std::string("a\0b", 3), "\xff\xfe", "CON:", long1, long2, "/etc/passwd", "../etc/passwd"};
+    const std::vector<std::string> names{
+        "..",       ".",    "...",     "/",   "a/b",         "c/b",          "b",    "a b", "a-b",
+        "a\tb",     "a\nb", ".hidden", "-rf", "~",           "$x^{6$",       "a\\b", "",    std::string("a\0b", 3),
+        "\xff\xfe", "CON:", long1,     long2, "/etc/passwd", "../etc/passwd"};
     for (const std::string& name : names) {
         const std::string part = fileName(name);
         EXPECT_TRUE(seen.insert(part).second) << name << " → " << part;
         EXPECT_LE(part.size(), 80u);
-        EXPECT_EQ(part.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._=+-"), std::string::npos) << part;
+        EXPECT_EQ(part.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._=+-"),
+                  std::string::npos)
+            << part;
         EXPECT_NE(part.front(), '.');
         EXPECT_NE(part.front(), '-');
         EXPECT_EQ(fs::path("folder") / part, (fs::path("folder") / part).lexically_normal());

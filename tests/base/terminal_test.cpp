@@ -19,7 +19,8 @@ TEST(Terminal, ShortensByCharacters) {
 TEST(Terminal, WrapsBetweenWords) {
     EXPECT_EQ(wrapWords("one two three", 7), "one two\nthree");
     EXPECT_EQ(wrapWords("one two three", 8, "  "), "one two\n  three");
-    EXPECT_EQ(wrapWords("  dapple run x -a size=1", 14, "      ", " \\"), "  dapple run \\\n      x -a \\\n      size=1");
+    EXPECT_EQ(wrapWords("  dapple run x -a size=1", 14, "      ", " \\"),
+              "  dapple run \\\n      x -a \\\n      size=1");
     EXPECT_EQ(wrapWords("one\n\ntwo three\n", 5), "one\n\ntwo\nthree\n");
     EXPECT_EQ(wrapWords("unbreakable word", 4), "unbreakable\nword");
     EXPECT_EQ(wrapWords("", 10), "");

@@ -20,7 +20,8 @@ size = [256, 512]
 
 
 def program(*words, **options):
-    return subprocess.run([DAPPLE, *map(str, words)], capture_output=True, text=True, errors="replace", timeout=300, **options)
+    return subprocess.run([DAPPLE, *map(str, words)], capture_output=True, text=True, errors="replace", timeout=300,
+                          **options)
 
 
 def dapple(*words, **options):

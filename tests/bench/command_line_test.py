@@ -68,7 +68,8 @@ class RunsAndPlans(CommandLine):
         self.refused("run", self.sweep, "-o", out, "--resume", "-a", "size=64", says=["another plan"])
 
     def test_every_verb_has_help_with_an_example(self):
-        for verb in ("quick", "scene", "list", "plan", "run", "render", "plot", "doctor", "view", "bundle", "help", "completion"):
+        for verb in ("quick", "scene", "list", "plan", "run", "render", "plot", "doctor", "view", "bundle", "help",
+                     "completion"):
             done = dapple(verb, "--help")
             self.assertEqual(done.returncode, 0, verb)
             self.assertIn(f"dapple {verb}", done.stdout)

@@ -57,8 +57,9 @@ class Inputs(CommandLine):
         self.done("scene", "town.toml", "-o", "out/in.glb", cwd=self.folder)
         os.symlink("in.obj", self.folder / "out/link.obj")
         out = {path: path.read_bytes() for path in (self.folder / "out").iterdir()}
-        for scene, output in (("out/in.obj", "out/in.obj"), ("out/in.obj", "out/../out/in.obj"), ("out/in.obj", "out/link.obj"),
-                              ("out/in.glb", "out/in.glb"), (self.folder / "out/in.glb", "out/in.glb")):
+        for scene, output in (("out/in.obj", "out/in.obj"), ("out/in.obj", "out/../out/in.obj"),
+                              ("out/in.obj", "out/link.obj"), ("out/in.glb", "out/in.glb"),
+                              (self.folder / "out/in.glb", "out/in.glb")):
             self.refused("scene", scene, "-o", output, says=["is an input", "-o"], cwd=self.folder)
             self.assertEqual({path: path.read_bytes() for path in (self.folder / "out").iterdir()}, out)
         self.done("scene", "out/in.obj", "-o", "out/again.obj", cwd=self.folder)
@@ -67,14 +68,15 @@ class Inputs(CommandLine):
     @unittest.skipUnless(hasGl(), "no GL here")
     def test_a_picture_replaces_no_input_and_its_sidecar_no_stranger(self):
         render = lambda *words: ("render", *words, "-r", "64x48")
-        self.refused(*render("town.toml", "uniform", "-o", "town.png"), says=["town.json", "is an input"], cwd=self.folder, call=program)
+        options = {"cwd": self.folder, "call": program}
+        self.refused(*render("town.toml", "uniform", "-o", "town.png"), says=["town.json", "is an input"], **options)
         self.unchanged()
         (self.folder / "mine.json").write_text('{"mine": 1}')
-        self.refused(*render("box", "uniform", "-o", "mine.exr"), says=["mine.json", "not a picture's"], cwd=self.folder, call=program)
+        self.refused(*render("box", "uniform", "-o", "mine.exr"), says=["mine.json", "not a picture's"], **options)
         self.assertEqual((self.folder / "mine.json").read_text(), '{"mine": 1}')
         for _ in range(2):  # its own is replaced
-            self.done(*render("box", "uniform", "-o", "fine.png"), cwd=self.folder, call=program)
-        self.refused("scene", "fine.toml", "--picture", "fine.toml", says=["fine.toml"], cwd=self.folder, call=program)
+            self.done(*render("box", "uniform", "-o", "fine.png"), **options)
+        self.refused("scene", "fine.toml", "--picture", "fine.toml", says=["fine.toml"], **options)
 
 
 class Names(CommandLine):
@@ -109,7 +111,8 @@ class Names(CommandLine):
         self.assertEqual({name.rsplit("_", 2)[1] for name in names}, ids)
         self.assertEqual(len(names), 4 * 2 * 2)
         self.assertTrue(any("filter=pcf3" in name for name in names), names)
-        strangers = [path for top in (self.folder, self.folder.parent) for path in top.glob("X*")] + list((self.folder / "deep").glob("X*"))
+        tops = (self.folder, self.folder.parent, self.folder / "deep")
+        strangers = [path for top in tops for path in top.glob("X*")]
         self.assertEqual(strangers, [])
 
 

@@ -41,7 +41,8 @@ class Progress(CommandLine):
         self.assertIn("run (%): 0/100, 0:00 elapsed", text)
 
     def test_elsewhere_a_first_line_comes_at_once(self):
-        process = subprocess.Popen([DAPPLE, *map(str, self.long(1000))], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen([DAPPLE, *map(str, self.long(1000))], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, text=True)
         first = process.stderr.readline()
         self.assertIsNone(process.poll())
         self.assertRegex(first, r"^run \(%\): 0/100, 0:0\d elapsed, \? left  box instanced size=64\n$")

@@ -10,8 +10,8 @@ from command_line import DAPPLE, CommandLine, hasGl, program
 
 def installed(name):
     """Where the loader finds a library; None if nowhere."""
-    cache = subprocess.run([shutil.which("ldconfig", path=os.environ["PATH"] + ":/sbin:/usr/sbin") or "ldconfig", "-p"], capture_output=True, text=True)
-    return next((line.split(" => ")[1] for line in cache.stdout.splitlines() if line.split()[:1] == [name]), None)
+    cache = subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True).stdout
+    return next((line.split(" => ")[1] for line in cache.splitlines() if line.split()[:1] == [name]), None)
 
 
 EGL, OPENGL, GL = "libEGL.so.1", "libOpenGL.so.0", "libGL.so.1"
@@ -23,8 +23,8 @@ def without(*libraries):
     enter = ["unshare", "-m"] if os.geteuid() == 0 else ["unshare", "-rm"]
 
     def call(*words, **options):
-        return subprocess.run([*enter, "sh", "-ec", f'{hide}; exec "$0" "$@"', str(DAPPLE), *map(str, words)], capture_output=True, text=True,
-                              timeout=300, **options)
+        return subprocess.run([*enter, "sh", "-ec", f'{hide}; exec "$0" "$@"', str(DAPPLE), *map(str, words)],
+                              capture_output=True, text=True, timeout=300, **options)
     return call
 
 
@@ -34,7 +34,8 @@ def canHide():
 
 @unittest.skipUnless(canHide(), "no mount namespace can be made here")
 class WithoutGl(CommandLine):
-    CASES = (((EGL,), ["libEGL.so.1", "libegl1", "libegl-mesa0"]), ((OPENGL, GL), ["libOpenGL.so.0", "libopengl0", "libgl1-mesa-dri"]),
+    CASES = (((EGL,), ["libEGL.so.1", "libegl1", "libegl-mesa0"]),
+             ((OPENGL, GL), ["libOpenGL.so.0", "libopengl0", "libgl1-mesa-dri"]),
              ((EGL, OPENGL, GL), ["libEGL.so.1 and libOpenGL.so.0", "libegl1 libopengl0"]))
 
     def test_what_draws_names_the_packages(self):

@@ -14,10 +14,13 @@ VERBS = ["bundle", "completion", "doctor", "help", "list", "plan", "plot", "quic
 class Words(CommandLine):
     def test_every_word_too_many_is_refused_and_nothing_runs(self):
         out = self.folder / "out"
-        for words, says in ((["rnu", "quick", "-o", out], ["'rnu'", "'run'"]), (["quick", "rnu", "-o", out], ["'rnu'", "dapple quick"]),
-                            (["quick", "-o", out, "plan"], ["'plan'", "dapple quick"]), (["x", "run", self.sweep, "-o", out], ["'x'"]),
-                            (["run", self.sweep, "twice", "-o", out], ["'twice'", "dapple run"]), (["list", "scenes", "axes"], ["'axes'"]),
-                            (["plan", self.sweep, "--axs", "size=1"], ["--axs", "--axis"]), (["doctor", "here"], ["'here'"])):
+        for words, says in ((["rnu", "quick", "-o", out], ["'rnu'", "'run'"]),
+                            (["quick", "rnu", "-o", out], ["'rnu'", "dapple quick"]),
+                            (["quick", "-o", out, "plan"], ["'plan'", "dapple quick"]),
+                            (["x", "run", self.sweep, "-o", out], ["'x'"]),
+                            (["run", self.sweep, "twice", "-o", out], ["'twice'", "dapple run"]),
+                            (["list", "scenes", "axes"], ["'axes'"]), (["doctor", "here"], ["'here'"]),
+                            (["plan", self.sweep, "--axs", "size=1"], ["--axs", "--axis"])):
             self.refused(*words, says=says)
             self.assertFalse(out.exists(), words)
 
@@ -27,15 +30,18 @@ class Words(CommandLine):
         self.assertIn("fake", self.done("doctor", "--backend", "fake", call=program))
         self.assertEqual(self.done("doctor"), self.done("doctor", "--backend", "fake", call=program))
         self.assertEqual(json.loads(self.done("doctor", "--json"))["timers"], {"chosen": "fake"})
-        for words in (["--backend", "fka", "doctor"], ["doctor", "--backend", "fka"], ["list", "axes", "--backend", "fka"]):
+        for words in (["--backend", "fka", "doctor"], ["doctor", "--backend", "fka"],
+                      ["list", "axes", "--backend", "fka"]):
             self.refused(*words, says=["'fka'", "'fake'"], call=program)
         for words in (["render", "box", "uniform", "-o", self.folder / "x.png"], ["view", "box"]):
             self.refused(*words, says=["--backend fake"])
 
     def test_a_and_s_take_one_value_each(self):
-        self.refused("render", "box", "-s", "seed=2", "uniform", "many", "-o", "x.png", says=["'many'"], call=program)
-        self.refused("render", "box", "-s", "seed=2", "unifrom", "-o", "x.png", says=["technique", "'uniform'"], call=program)
-        self.refused("render", "box", "-a", "size=64", "unifrom", "-o", "x.png", says=["technique", "'uniform'"], call=program)
+        many = ["render", "box", "-s", "seed=2", "uniform", "many", "-o", "x.png"]
+        self.refused(*many, says=["'many'"], call=program)
+        for option in (["-s", "seed=2"], ["-a", "size=64"]):
+            misspelt = ["render", "box", *option, "unifrom", "-o", "x.png"]
+            self.refused(*misspelt, says=["technique", "'uniform'"], call=program)
         self.refused("scene", "-s", "seed=2", "bxo", says=["scene", "'box'"])
         self.assertIn("box", self.done("scene", "-s", "seed=2", "box"))
 
@@ -73,7 +79,9 @@ class Words(CommandLine):
         self.refused("plan", "mine", says=["mine is a folder"], cwd=self.folder)
 
     def test_filters_of_all_kinds_end_at_once(self):
-        count = lambda *filters: len(self.done("plan", self.sweep, *[w for f in filters for w in ("--filter", f)]).splitlines()) - 1
+        def count(*filters):
+            words = [word for pattern in filters for word in ("--filter", pattern)]
+            return len(self.done("plan", self.sweep, *words).splitlines()) - 1
         self.assertEqual(count("UNIFORM"), 2)
         self.assertEqual(count("size=(256|1024)"), 1)
         self.assertEqual(count("box", r"size=512\b"), 1)
@@ -156,9 +164,11 @@ class Completion(CommandLine):
         script = self.folder / "completion"
         script.write_text(self.done("completion", "bash"))
         def complete(line):
-            body = f'source {script}; COMP_LINE=$1; COMP_POINT=${{#1}}; compopt() {{ :; }}; _dapple; printf "%s\\n" "${{COMPREPLY[@]}}"'
+            body = (f'source {script}; COMP_LINE=$1; COMP_POINT=${{#1}}; compopt() {{ :; }}; _dapple; '
+                    'printf "%s\\n" "${COMPREPLY[@]}"')
             path = f"{DAPPLE.parent}:{os.environ['PATH']}"
-            done = subprocess.run(["bash", "-c", body, "bash", line], capture_output=True, text=True, env={**os.environ, "PATH": path})
+            done = subprocess.run(["bash", "-c", body, "bash", line], capture_output=True, text=True,
+                                  env={**os.environ, "PATH": path})
             self.assertEqual(done.stderr, "")
             return done.stdout.split()
         self.assertEqual(complete("dapple ren"), ["render"])
