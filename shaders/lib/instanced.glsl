@@ -87,17 +87,27 @@ void mark(vec4 square, vec2 texels) {
 #define mark(square, texels)
 #endif
 
+// Of the receiver's plane, in depths of map m, whose object has turned against the caster.
+Slope slopeIn(CasterMap m, Caster c, vec3 normal) {
+    Basis b = basisOf(m);
+    vec3 n = vec3(m.turn.x * normal.x - m.turn.y * normal.y, m.turn.y * normal.x + m.turn.x * normal.y, normal.z);
+    return times(slopeOf(vec2(dot(n, b.u), dot(n, b.v)), 1.0 / (c.place.w * m.texels.xy), facingOf(n, b.light)), 1.0 / m.turn.w);
+}
+
 #if MODE == 2
 float depthIn(vec4 square, vec2 texels) {
     if (outside(square, texels)) return 1.0;
     mark(square, texels);
     return texelFetch(uMap, ivec3(square.xy + floor(texels), square.z), 0).r;
 }
+float reference(CasterMap m, Caster c, vec3 s, vec3 normal) {
+    return min(s.z - slopeBias(slopeIn(m, c, normal), floor(s.xy) + 0.5 - s.xy, 0.0), 1.0);
+}
 #else
-float litIn(vec4 square, vec3 s) {
-    if (outside(square, s.xy)) return 1.0;
-    mark(square, s.xy);
-    return filtered(uMap, MapSquare(square.xyz, square.w, float(textureSize(uMap, 0).x)), s.xy, s.z);
+float litIn(CasterMap m, Caster c, vec3 s, vec3 normal) {
+    if (outside(m.square, s.xy)) return 1.0;
+    mark(m.square, s.xy);
+    return filtered(uMap, MapSquare(m.square.xyz, m.square.w, float(textureSize(uMap, 0).x)), s.xy, s.z, slopeIn(m, c, normal));
 }
 #endif
 
@@ -105,25 +115,25 @@ float litIn(vec4 square, vec3 s) {
 float lookUp(Caster c, vec3 p, vec3 normal) {
     float weight = c.reach.w;
     bool first = weight < 0.5;
-    Basis b;  // of the nearer map
-    if (first) b = basisOf(c.first);
-    else b = basisOf(c.second);
-    vec2 slope = abs(vec2(dot(normal, b.u), dot(normal, b.v))) * c.turn.zw / max(-dot(normal, b.light), 1e-4);
+    vec3 light;  // of the nearer map
+    if (first) light = basisOf(c.first).light;
+    else light = basisOf(c.second).light;
     float depthStep = max(c.first.turn.w, c.second.turn.w) * 1.1920929e-7;
-    p = biased(p, normal, b.light, max(c.turn.z, c.turn.w), slope, vec2(0.0), depthStep);
+    float farthest = length(p) + length(c.place.xyz) + (length(c.box.xyz) + length(c.reach.xyz)) / c.place.w;
+    p = biased(p, normal, light, max(c.turn.z, c.turn.w), vec2(0.0), farthest, depthStep);
     // Precise: fragment and compute shaders give the same bits, whatever a compiler would fuse in one of them.
     precise vec3 q = (p - c.place.xyz) * c.place.w;
     bool inside = all(lessThanEqual(abs(toBoxAxes(c, q) - c.box.xyz), c.reach.xyz - uintBitsToFloat(c.refers.w)));
     precise vec3 s0 = mapCoordinates(c.first, c, q, inside), s1 = mapCoordinates(c.second, c, q, inside);
 #if MODE == 0    // the nearer map alone
-    vec3 s = first ? s0 : s1;
-    return litIn(first ? c.first.square : c.second.square, s);
+    if (first) return litIn(c.first, c, s0, normal);
+    return litIn(c.second, c, s1, normal);
 #elif MODE == 1  // binary results, blended
-    float lit = litIn(c.first.square, s0);
-    return weight > 0.0 ? mix(lit, litIn(c.second.square, s1), weight) : lit;
+    float lit = litIn(c.first, c, s0, normal);
+    return weight > 0.0 ? mix(lit, litIn(c.second, c, s1, normal), weight) : lit;
 #else            // depths, interpolated before the comparison; a cleared texel is not a depth
     float d0 = depthIn(c.first.square, s0.xy), d1 = depthIn(c.second.square, s1.xy);
-    float z0 = min(s0.z, 1.0), z1 = min(s1.z, 1.0);
+    precise float z0 = reference(c.first, c, s0, normal), z1 = reference(c.second, c, s1, normal);
     if (d0 < 1.0 && d1 < 1.0) return mix((d0 - z0) * c.first.turn.w, (d1 - z1) * c.second.turn.w, weight) < 0.0 ? 0.0 : 1.0;
     return (first ? d0 < z0 : d1 < z1) ? 0.0 : 1.0;
 #endif

@@ -7,7 +7,7 @@ layout(binding = 2) uniform sampler2D uDepth;
 uniform vec3 uLight;
 uniform vec3 uBasisU, uBasisV;
 uniform mat4 uLightClips[8];
-uniform vec4 uSplits[8];  // far end of the cascade (metres), depth step (metres), map present, unused
+uniform vec4 uSplits[8];  // far end of the cascade (metres), depth step (metres), map present, farthest coordinate (metres)
 uniform vec4 uTexels[8];  // orthographic maps: a texel's extent along u and v, metres
 uniform int uLayers;
 uniform float uSize;
@@ -16,11 +16,12 @@ struct MapLookup {
     bool receiver, facesSun, mapped;  // no sky; not in its own shade; some caster can reach its slice of the view
     int layer;
     vec2 texels;  // place in the map
-    float z;      // reference
+    float z;      // reference, but for the slope's bias, which only lessens it
+    Slope slope;  // in depths of the map
 };
 
 MapLookup mapLookup(ivec2 pixel) {
-    MapLookup at = MapLookup(false, false, false, 0, vec2(0.0), 0.0);
+    MapLookup at = MapLookup(false, false, false, 0, vec2(0.0), 0.0, Slope(vec2(0.0), vec2(0.0), 0.0));
     float depth = texelFetch(uDepth, pixel, 0).r;
     if (depth == 0.0) return at;
     at.receiver = true;
@@ -34,7 +35,8 @@ MapLookup mapLookup(ivec2 pixel) {
     at.mapped = true;
 
     mat4 clip = uLightClips[at.layer];
-    float facing = max(-dot(normal, uLight), 1e-4);
+    float facing = facingOf(normal, uLight);
+    vec2 across = vec2(dot(normal, uBasisU), dot(normal, uBasisV));
 #ifdef WARPED
     vec4 q = clip * vec4(p, 1.0);
     vec3 ndc = q.xyz / q.w;
@@ -45,22 +47,23 @@ MapLookup mapLookup(ivec2 pixel) {
     vec2 a = perU.xy * (0.5 * uSize), b = perV.xy * (0.5 * uSize);
     float det = a.x * b.y - b.x * a.y;
     vec2 stepU = vec2(b.y, -a.y) / det, stepV = vec2(-b.x, a.x) / det;
-    float texel = max(length(stepU), length(stepV));
 
     // How far such a step moves the map's depth, in metres along the light: across the light, and on the receiver's
     // plane, which it follows by going dot(normal, step) / facing along the light.
     vec2 gradient = vec2(perU.z, perV.z) / perL.z;
     vec2 flatStep = vec2(dot(gradient, stepU), dot(gradient, stepV));
-    vec2 tilt = vec2(dot(normal, uBasisU), dot(normal, uBasisV)) / facing;
-    vec2 slope = abs(flatStep + vec2(dot(tilt, stepU), dot(tilt, stepV))), flatSlope = abs(flatStep);
+    Slope slope = slopeOf(across, vec2(length(stepU), length(stepV)), facing);
+    slope.perTexel = flatStep + vec2(dot(across, stepU), dot(across, stepV)) / facing;
 #else  // an orthographic map has the same texel everywhere
-    vec2 steps = uTexels[at.layer].xy, flatSlope = vec2(0.0);
-    vec2 slope = abs(vec2(dot(normal, uBasisU), dot(normal, uBasisV))) * steps / facing;
-    float texel = max(steps.x, steps.y);
+    vec2 flatStep = vec2(0.0);
+    vec3 perL = (clip * vec4(uLight, 0.0)).xyz;
+    Slope slope = slopeOf(across, uTexels[at.layer].xy, facing);
 #endif
-    vec4 moved = clip * vec4(biased(p, normal, uLight, texel, slope, flatSlope, uSplits[at.layer].y), 1.0);
+    vec4 split = uSplits[at.layer];
+    vec4 moved = clip * vec4(biased(p, normal, uLight, slope.texel, abs(flatStep), split.w, split.y), 1.0);
     vec3 s = moved.xyz / moved.w;
     at.texels = (s.xy * 0.5 + 0.5) * uSize;
     at.z = s.z;
+    at.slope = times(slope, perL.z);
     return at;
 }

@@ -7,5 +7,5 @@ layout(location = 0) out vec2 oVisibility;
 void main() {
     MapLookup at = mapLookup(ivec2(gl_FragCoord.xy));
     if (!at.receiver || !at.facesSun) oVisibility = vec2(at.receiver ? 0.0 : 1.0, 0.0);
-    else oVisibility = vec2(at.mapped ? filtered(uMap, MapSquare(vec3(0.0, 0.0, at.layer), uSize, uSize), at.texels, at.z) : 1.0, 1.0);
+    else oVisibility = vec2(at.mapped ? filtered(uMap, MapSquare(vec3(0.0, 0.0, at.layer), uSize, uSize), at.texels, at.z, at.slope) : 1.0, 1.0);
 }

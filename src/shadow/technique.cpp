@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 
 namespace dapple::shadow {
@@ -16,9 +17,11 @@ double kernelRadius(const Settings& settings) {
 std::vector<std::string> samplingDefines(const Settings& settings) {
     const std::string& bias = settings.at("bias");
     const std::string& filter = settings.at("filter");
+    GLint subpixelBits = 4;  // the least that GL promises
+    glGetIntegerv(GL_SUBPIXEL_BITS, &subpixelBits);
     return {fmt::format("BIAS {}", bias == "constant" ? 0 : bias == "slope" ? 1 : 2),
             fmt::format("FILTER {}", filter == "nearest" ? 0 : filter == "pcf2" ? 1 : 2),
-            fmt::format("KERNEL {:.1f}", kernelRadius(settings))};
+            fmt::format("KERNEL {:.1f}", kernelRadius(settings)), fmt::format("SNAP {:.7f}", std::exp2(-double(subpixelBits) - 1))};
 }
 
 void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const glm::dmat4& lightClip,

@@ -75,7 +75,7 @@ TEST_F(Resolution, DemandIsThatOfRaysThroughPixels) {
         ASSERT_EQ(maps.maps().size(), 1u);
         CasterList casters(frame, maps);
         casters.collect();
-        DemandEstimate estimate(frame, {"BIAS 1", "FILTER 0", "KERNEL 0.0", "MODE 0", "SAMPLE_FRAME 3"}, 2048);
+        DemandEstimate estimate(frame, {"BIAS 1", "FILTER 0", "KERNEL 0.0", "SNAP 0.0", "MODE 0", "SAMPLE_FRAME 3"}, 2048);
         measure::Ledger ignored;
         estimate.record(1, [&](const gl::Program& program) {
             frame.setView(program);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace dapple::shadow {
 namespace {
@@ -33,6 +34,10 @@ glm::dmat4 compose(const LightBasis& b, const glm::dvec4& rowX, const glm::dvec4
 /// Fraction of the window that stays for the receivers once `padTexels` surround it; tiny maps keep half.
 double usableShare(int size, double padTexels) { return std::max(0.5, 1.0 - 2.0 * padTexels / size); }
 
+/// Texels along the light by which the bias moves a receiver, at most: both axes of a plane at truth::kGrazing (lib/bias.glsl).
+/// Within them casters must have their depths, and not that of the near plane.
+double biasTexels(double padTexels) { return padTexels * std::numbers::sqrt2 / 0.02; }
+
 LightFit orthographic(const LightBasis& basis, base::DBox window, const base::DBox& depthBounds, int size, double padTexels) {
     widen(window.lo.x, window.hi.x);
     widen(window.lo.y, window.hi.y);
@@ -42,8 +47,7 @@ LightFit orthographic(const LightBasis& basis, base::DBox window, const base::DB
     const glm::dvec2 half = glm::dvec2(window.halfSize()) / share, centre(window.centre());
     LightFit fit;
     fit.maxTexel = 2 * std::max(half.x, half.y) / size;
-    // A texel of slack at both ends keeps biased receivers inside [0, 1].
-    zNear -= fit.maxTexel;
+    zNear -= biasTexels(padTexels) * fit.maxTexel;
     zFar += fit.maxTexel;
     fit.depthRange = zFar - zNear;
     fit.clipFromRelative = compose(basis, {1 / half.x, 0, 0, -centre.x / half.x}, {0, 1 / half.y, 0, -centre.y / half.y},
@@ -95,7 +99,8 @@ LightFit lispsm(const LightBasis& basis, const frame::Camera& camera, const std:
     // Footprints grow with w across the warp and with w² along it; both are largest at the far end.
     const double along = half.y * 2 / size * maxW * maxW * (f - n) / (2 * f * n), across = half.x * 2 / size * maxW;
     fit.maxTexel = std::max(along, across);
-    const double slack = fit.maxTexel / minW, zLo = projected.lo.z - slack, zRange = projected.hi.z + slack - zLo;
+    // A texel over w is largest at the far end, too.
+    const double texel = fit.maxTexel / maxW, zLo = projected.lo.z - biasTexels(padTexels) * texel, zRange = projected.hi.z + texel - zLo;
     fit.depthRange = zRange * maxW;
     fit.leastW = minW;
     fit.clipFromRelative = compose(basis, (x - w * centre.x) / half.x, (y - w * centre.y) / half.y, (z - w * zLo) / zRange, w);

@@ -298,11 +298,13 @@ private:
     void setLookup(const gl::Program& program) const {
         std::array<glm::mat4, 8> clips{};
         std::array<glm::vec4, 8> splits{}, texels{};
+        const base::DBox box = frame_.relativeSceneBox();
+        const auto farthest = float(box.empty() ? 0 : glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi))));
         for (size_t i = 0; i < cascades_.size(); ++i) {
             const LightFit& fit = cascades_[i].fit;
             clips[i] = glm::mat4(fit.clipFromRelative);
             if (!fit.empty) texels[i] = glm::vec4(texelExtent(cascades_[i]), 0, 0);
-            splits[i] = {float(cascades_[i].far), float(depthStep(cascades_[i])), needed(cascades_[i]).empty(), 0};
+            splits[i] = {float(cascades_[i].far), float(depthStep(cascades_[i])), needed(cascades_[i]).empty(), farthest};
         }
         frame_.setView(program);
         program.set("uBasisU", glm::vec3(basis_.u));
