@@ -165,8 +165,12 @@ uint64_t Scene::contentHash() const {
     for (const Texture& t : textures) {
         add(t.image.width, t.image.height);
         h.array(std::span<const uint8_t>(t.image.texels));
+        if (t.wrapU != Wrap::repeat || t.wrapV != Wrap::repeat) add(t.wrapU, t.wrapV);
     }
-    for (const Material& m : materials) add(m.albedo, m.specular, m.shininess, m.texture, m.alphaTested, m.doubleSided);
+    for (const Material& m : materials) {
+        add(m.albedo, m.specular, m.shininess, m.texture, m.alphaTested, m.doubleSided);
+        if (m.alphaTested && m.alphaCutoff != kAlphaCutoff) add(m.alphaCutoff);
+    }
     for (const Prototype& p : prototypes) {
         add(p.castsShadow, p.closed);
         if (p.transmittance > 0) add(p.transmittance);
@@ -241,6 +245,7 @@ void validate(const Scene& scene) {
         requireFinite(base::allFinite(m.albedo) && std::isfinite(m.specular) && std::isfinite(m.shininess), scene.name,
                       "material '" + m.name + "'");
         if (m.texture >= int(scene.textures.size())) fail("material '" + m.name + "' names a texture that does not exist");
+        if (!(m.alphaCutoff > 0 && m.alphaCutoff <= 1)) fail(fmt::format("material '{}' has the alpha cut-off {}; it must lie in 0 < a ≤ 1", m.name, m.alphaCutoff));
         if (m.alphaTested && m.texture < 0) fail("material '" + m.name + "' is alpha-tested but has no texture");
     }
     for (const Prototype& p : scene.prototypes) {

@@ -2,11 +2,13 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "scenegen/gltf_highlight.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -17,6 +19,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kFloat = 5126, kUint32 = 5125, kVertexBuffer = 34962, kIndexBuffer = 34963;
+constexpr std::array kWraps{10497, 33071, 33648};  ///< in the order of Wrap
 
 /// z up to y up: a quarter turn about x.
 template <class Vec>
@@ -41,6 +44,7 @@ public:
         for (const Instance& instance : scene_.instances) children.push_back(addInstance(instance));
         for (const View& view : scene_.views) children.push_back(addCamera(view));
         root_["extensionsUsed"] = {"KHR_lights_punctual"};
+        if (hasHighlights_) root_["extensionsUsed"].push_back("KHR_materials_specular");
         children.push_back(addSun(scene_.sun));
         for (const Sun& sun : scene_.furtherSuns) children.push_back(addSun(sun));
         for (const LocalLight& light : scene_.lights) children.push_back(addLight(light));
@@ -73,13 +77,20 @@ private:
             const std::string png = base::encodePng(texture.image);
             root_["images"].push_back({{"name", texture.name}, {"mimeType", "image/png"}, {"bufferView", addView(png.data(), png.size(), 0)}});
             root_["textures"].push_back({{"source", root_["images"].size() - 1}});
+            if (texture.wrapU == Wrap::repeat && texture.wrapV == Wrap::repeat) continue;
+            root_["samplers"].push_back({{"wrapS", kWraps[size_t(texture.wrapU)]}, {"wrapT", kWraps[size_t(texture.wrapV)]}});
+            root_["textures"].back()["sampler"] = root_["samplers"].size() - 1;
         }
         for (const Material& m : scene_.materials) {
-            Json surface = {{"baseColorFactor", {m.albedo.r, m.albedo.g, m.albedo.b, 1}}, {"metallicFactor", 0},
-                            {"roughnessFactor", std::sqrt(2 / (m.shininess + 2))}};  // Blinn-Phong's exponent, Walter et al. 2007
+            Json surface = {{"baseColorFactor", {m.albedo.r, m.albedo.g, m.albedo.b, 1}}, {"metallicFactor", 0}, {"roughnessFactor", roughnessOf(m.shininess)}};
             if (m.texture >= 0) surface["baseColorTexture"] = {{"index", m.texture}};
             Json material = {{"name", m.name}, {"pbrMetallicRoughness", surface}, {"doubleSided", m.doubleSided}};
-            if (m.alphaTested) material["alphaMode"] = "MASK", material["alphaCutoff"] = kAlphaCutoff;
+            if (m.alphaTested) material["alphaMode"] = "MASK", material["alphaCutoff"] = m.alphaCutoff;
+            if (m.specular > 0) {
+                const double strength = double(m.specular) / highlightScale(m.shininess);
+                material["extensions"]["KHR_materials_specular"]["specularColorFactor"] = {strength, strength, strength};
+                hasHighlights_ = true;
+            }
             root_["materials"].push_back(material);
         }
     }
@@ -105,6 +116,8 @@ private:
         }
         meshOf_.push_back(primitives.empty() ? -1 : int(root_["meshes"].size()));
         if (!primitives.empty()) root_["meshes"].push_back({{"name", prototype.name}, {"primitives", primitives}});
+        // Where other programs take the scene's extras for their own, a mesh keeps its mark.
+        if (!primitives.empty() && !prototype.castsShadow) root_["meshes"].back()["extras"] = {{"castsShadow", false}};
     }
 
     /// What glTF has no word for, or only in rounded ones: with it the scene is read back to the bit.
@@ -206,6 +219,7 @@ private:
     const Scene& scene_;
     Json root_;
     std::string buffer_;
+    bool hasHighlights_ = false;
     std::vector<int> meshOf_;  // glTF mesh of a prototype; -1: it has no triangle
 };
 

@@ -6,7 +6,7 @@
 
 namespace dapple::scenegen {
 
-/// `asset.generator` of the files that writeGlb() makes and import/own_glb.h reads back to the bit.
+/// `asset.generator` of the files that writeGlb() makes and import/own_gltf.h reads back to the bit.
 inline constexpr const char* kGlbGenerator = "dapple scenegen 1";
 
 /// Writes glTF 2.0 binary, y up, metres: one mesh per prototype shared by the nodes of its instances, materials with

@@ -35,7 +35,6 @@ std::string texturePath(const aiMaterial& material, aiTextureType type, unsigned
 }
 
 Material flatMaterial(const aiMaterial& source, const std::string& extension) {
-    const bool linearColours = extension.starts_with(".gl");
     // Assimp does not deliver how strong Blender's highlight is, and at full strength brick gleams.
     const bool hasHighlight = extension != ".blend";
     Material m;
@@ -46,10 +45,7 @@ Material flatMaterial(const aiMaterial& source, const std::string& extension) {
     source.Get(AI_MATKEY_COLOR_SPECULAR, specular);
     source.Get(AI_MATKEY_SHININESS_STRENGTH, strength);
     source.Get(AI_MATKEY_SHININESS, shininess);
-    for (int i = 0; i < 3; ++i) {
-        const float v = std::clamp(diffuse[unsigned(i)], 0.0f, 1.0f);
-        m.albedo[i] = linearColours ? v : linearFromSrgb(v);
-    }
+    for (int i = 0; i < 3; ++i) m.albedo[i] = linearFromSrgb(std::clamp(diffuse[unsigned(i)], 0.0f, 1.0f));
     if (hasHighlight && shininess >= 1) {  // below: no highlight that a pixel could show
         m.specular = std::clamp(strength * std::max({specular.r, specular.g, specular.b}), 0.0f, 1.0f);
         m.shininess = std::min(shininess, 1024.0f);
@@ -73,20 +69,15 @@ FileMaterials readFileMaterials(const aiScene& scene, const fs::path& file, cons
         return texture ? decodeEmbedded(*texture, name) : std::nullopt;
     };
     FileMaterials result;
-    bool opaque = false;  // glTF 2.0 §3.9.4: alpha is ignored
     const auto addTo = [&](std::vector<int>& list, Material m, int texture, float opacity) {
-        const bool drawn = setOpacity(m, textures.textures, texture, opaque ? 1 : opacity);
-        m.alphaTested = m.alphaTested && !opaque;
-        list.push_back(drawn ? int(builder.addMaterial(m)) : -1);
+        list.push_back(setOpacity(m, textures.textures, texture, opacity) ? int(builder.addMaterial(m)) : -1);
     };
     for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
         const aiMaterial& source = *scene.mMaterials[i];
         Material m = flatMaterial(source, extension);
-        aiString alphaMode;
-        opaque = source.Get("$mat.gltf.alphaMode", 0, 0, alphaMode) == aiReturn_SUCCESS && alphaMode == aiString("OPAQUE");
         float opacity = 1;
         source.Get(AI_MATKEY_OPACITY, opacity);
-        if (!opaque) noteOpacity(builder.scene.notes, opacity, m.name);
+        noteOpacity(builder.scene.notes, opacity, m.name);
         addTo(result.flatOfAssimp, m, -1, opacity);
 
         unsigned uvChannel = 0;

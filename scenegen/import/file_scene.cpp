@@ -27,8 +27,6 @@ glm::dmat4 toGlm(const aiMatrix4x4& m) {
 
 glm::dvec3 toGlm(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-bool isGltf(const fs::path& file) { return lowerExtension(file).starts_with(".gl"); }
-
 /// Nodes in the order in which a recursion meets them, without its depth.
 template <class Visit>
 void forEachNode(const aiNode& root, const Visit& visit) {
@@ -153,10 +151,8 @@ private:
     }
 
     /// Degrees.
-    double verticalFov(const aiCamera& camera) const {
+    static double verticalFov(const aiCamera& camera) {
         const double aspect = double(camera.mAspect), horizontal = double(camera.mHorizontalFOV);
-        // Assimp's glTF reader stores yfov · aspect as the "horizontal" angle.
-        if (isGltf(file_)) return glm::degrees(aspect > 0 ? horizontal / aspect : horizontal);
         return glm::degrees(2 * std::atan(std::tan(horizontal / 2) / (aspect > 0 ? aspect : 4.0 / 3.0)));
     }
 
@@ -166,9 +162,10 @@ private:
             const auto node = nodes_.find(camera.mName.C_Str());
             if (node == nodes_.end()) continue;
             const std::string name = camera.mName.length > 0 ? camera.mName.C_Str() : fmt::format("camera{}", i);
-            // Assimp's glTF reader repeats the node's translation in the camera.
-            const glm::dvec3 eye = isGltf(file_) ? glm::dvec3(0) : toGlm(camera.mPosition);
-            builder_.addView(node->second, name, eye, toGlm(camera.mLookAt), toGlm(camera.mUp), verticalFov(camera));
+            View lens;
+            lens.fovY = verticalFov(camera);
+            lens.far = 0;
+            builder_.addView(node->second, name, toGlm(camera.mPosition), toGlm(camera.mLookAt), toGlm(camera.mUp), lens);
         }
     }
 
@@ -176,7 +173,8 @@ private:
         for (unsigned i = 0; i < scene_.mNumLights; ++i) {
             const aiLight& light = *scene_.mLights[i];
             const auto node = nodes_.find(light.mName.C_Str());
-            if (light.mType == aiLightSource_DIRECTIONAL && node != nodes_.end()) builder_.addSun(node->second, toGlm(light.mDirection));
+            if (light.mType != aiLightSource_DIRECTIONAL || node == nodes_.end() || builder_.scene.sun) continue;
+            builder_.scene.sun = builder_.sunOf(node->second, toGlm(light.mDirection));
         }
     }
 

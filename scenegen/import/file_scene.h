@@ -26,12 +26,19 @@ struct FileScene {
     std::vector<View> views;  ///< the file's cameras, eye in its world; far = 0: to be chosen
     Notes notes;              ///< what the file asks for and the reader does not do
     std::optional<Sun> sun;   ///< the file's first directional light that shines downwards
+    std::vector<Sun> furtherSuns;  ///< the others, if the file says how strong each is
+    /// A lamp, its position in the file's world.
+    struct Lamp {
+        glm::dvec3 position{0};
+        LocalLight light;
+    };
+    std::vector<Lamp> lamps;
 };
 
 /// ".obj" of "A.OBJ".
 std::string lowerExtension(const std::filesystem::path& file);
 
-/// Reads `file`. Throws the UsageErrors of importFile().
+/// Reads `file`, which is no glTF. Throws the UsageErrors of importFile().
 FileScene readFileScene(const std::filesystem::path& file, const Sidecar& sidecar);
 
 class SceneBuilder;

@@ -6,7 +6,8 @@
 #include "base/memory.h"
 #include "scenegen/import/auto_views.h"
 #include "scenegen/import/file_scene.h"
-#include "scenegen/import/own_glb.h"
+#include "scenegen/import/gltf_reader.h"
+#include "scenegen/import/own_gltf.h"
 #include "scenegen/import/prototypes.h"
 #include "scenegen/import/scene_bytes.h"
 #include "scenegen/import/sidecar.h"
@@ -17,7 +18,6 @@
 #include <set>
 
 namespace dapple::scenegen {
-
 namespace {
 namespace fs = std::filesystem;
 
@@ -28,7 +28,7 @@ constexpr size_t kMemoryPerByte = 16;
 /// name no other file have nothing.
 size_t bytesBeside(const fs::path& file) {
     constexpr int kMostEntries = 2000;
-    static const std::set<std::string> kAlone{".ply", ".stl", ".off", ".raw", ".glb"},
+    static const std::set<std::string> kAlone{".stl", ".off", ".raw", ".glb"},
         kBrought{".png", ".jpg", ".jpeg", ".tga", ".bmp", ".rgb", ".webp", ".ktx2", ".bin", ".mtl"};
     if (kAlone.contains(lowerExtension(file))) return 0;
     std::error_code error;
@@ -47,15 +47,22 @@ base::Child::Limits limitsFor(const fs::path& file) {
 
 /// All but the views that are chosen by looking at the scene.
 Scene readContent(const fs::path& file) {
-    // A sidecar changes what a file says, which only a reading of its triangles allows.
-    if (!fs::exists(fs::path(file).replace_extension(".toml")))
-        if (std::optional<Scene> own = readOwnGlb(file)) {
-            dropBadInstances(*own);
-            validate(*own);
-            return *own;
-        }
     const Sidecar sidecar = readSidecar(file);
-    FileScene content = readFileScene(file, sidecar);
+    FileScene content;
+    if (isGltf(file)) {
+        GltfDocument document(file);
+        // A sidecar changes what a file says, which only a reading of its triangles allows.
+        if (!fs::exists(fs::path(file).replace_extension(".toml")))
+            if (std::optional<Scene> own = readOwnGltf(document)) {
+                own->notes = document.notes.lines();
+                dropBadInstances(*own);
+                validate(*own);
+                return *own;
+            }
+        content = readGltf(document, sidecar);
+    } else {
+        content = readFileScene(file, sidecar);
+    }
     if (!sidecar.views.empty()) content.views = sidecar.views;
 
     Scene scene;
@@ -75,6 +82,11 @@ Scene readContent(const fs::path& file) {
         if (view.far == 0) view.far = chooseFar(facts.box, view.eye, view.near);
         scene.views.push_back(std::move(view));
     }
+    for (const FileScene::Lamp& lamp : content.lamps) {
+        scene.lights.push_back(lamp.light);
+        scene.lights.back().position = glm::vec3(lamp.position - scene.origin);
+    }
+    if (!sidecar.sun) scene.furtherSuns = content.furtherSuns;
     scene.notes = content.notes.lines();
     return scene;
 }

@@ -93,25 +93,29 @@ void SceneBuilder::addObject(const Node& node, std::vector<uint32_t> meshes) {
     if (!matchesAny(node.name, sidecar_.drop)) scene.objects.push_back(std::move(object));
 }
 
-void SceneBuilder::addView(const Node& node, const std::string& name, const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, double fovY) {
+void SceneBuilder::addView(const Node& node, const std::string& name, const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, const View& lens) {
     View view;
-    view.name = name;
     view.eye = position(glm::dvec3(node.worldFromNode * glm::dvec4(eye, 1)));
     view.forward = direction(glm::dmat3(node.worldFromNode) * forward);
     view.up = direction(glm::dmat3(node.worldFromNode) * up);
     if (!(glm::length(glm::cross(view.forward, view.up)) > 1e-9)) return;
     view.forward = glm::normalize(view.forward);
     view.up = glm::normalize(view.up);
-    if (fovY > 1 && fovY < 170) view.fovY = fovY;  // Assimp 5.2 loses the angle of COLLADA: 0.8°
-    view.far = 0;
+    if (lens.fovY > 1 && lens.fovY < 170) view.fovY = lens.fovY;  // Assimp 5.2 loses the angle of COLLADA: 0.8°
+    if (lens.near > 0 && std::isfinite(lens.near)) view.near = space_.metresPerUnit * lens.near;
+    view.far = space_.metresPerUnit * lens.far > view.near && std::isfinite(lens.far) ? space_.metresPerUnit * lens.far : 0;
+    const auto taken = [&](const std::string& n) { return std::ranges::any_of(scene.views, [&](const View& v) { return v.name == n; }); };
+    view.name = name;
+    for (int number = 2; taken(view.name); ++number) view.name = fmt::format("{} {}", name, number);
+    if (view.name != name) scene.notes.add("views of one name are numbered", name);
     scene.views.push_back(view);
 }
 
-void SceneBuilder::addSun(const Node& node, const glm::dvec3& lightDirection) {
+std::optional<Sun> SceneBuilder::sunOf(const Node& node, const glm::dvec3& lightDirection) const {
     const glm::dvec3 toSun = -direction(glm::dmat3(node.worldFromNode) * lightDirection);
-    if (scene.sun || !(toSun.z > 1e-3 * glm::length(toSun))) return;
+    if (!(toSun.z > 1e-3 * glm::length(toSun))) return {};
     const double azimuth = glm::degrees(std::atan2(toSun.x, toSun.y));
-    scene.sun = Sun{azimuth < 0 ? azimuth + 360 : azimuth, glm::degrees(std::asin(std::min(1.0, toSun.z / glm::length(toSun))))};
+    return Sun{azimuth < 0 ? azimuth + 360 : azimuth, glm::degrees(std::asin(std::min(1.0, toSun.z / glm::length(toSun))))};
 }
 
 FileScene SceneBuilder::finish() {

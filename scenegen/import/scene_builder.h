@@ -54,11 +54,12 @@ public:
     /// Notes a distance from the origin, in metres, if float holds it in steps of more than a millimetre.
     void noteCoarse(const std::string& name, double farthest);
 
-    /// A camera, its vectors in the node's space, its view's angle in degrees. One without a direction is left out.
-    void addView(const Node& node, const std::string& name, const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, double fovY);
+    /// A camera, its vectors in the node's space. Of `lens`, fovY counts (degrees), near and far in units of the file (far = 0: to
+    /// be chosen); what cannot be is left at its default. One without a direction is left out; names are made unique, with a note.
+    void addView(const Node& node, const std::string& name, const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, const View& lens);
 
-    /// A directional light that shines along `direction` in the node's space. The first that shines downwards is the sun.
-    void addSun(const Node& node, const glm::dvec3& direction);
+    /// The sun of a directional light that shines along `direction` in the node's space; nothing if it does not shine downwards.
+    std::optional<Sun> sunOf(const Node& node, const glm::dvec3& direction) const;
 
     /// Throws UsageError when the sidecar copies a node that has not come by.
     FileScene finish();

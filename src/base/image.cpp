@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/webp.h"
 
 #include <ImfArray.h>
 #include <ImfChannelList.h>
@@ -98,6 +99,7 @@ bool isIntactPng(std::span<const uint8_t> b) {
 
 Image8 decodeImage(std::span<const uint8_t> bytes, const std::string& name) {
     if (isSgi(bytes)) return decodeSgi(bytes, name);
+    if (isWebp(bytes)) return decodeWebp(bytes, name);
     const std::array<uint8_t, 8> pngSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     if (bytes.size() >= 8 && std::equal(pngSignature.begin(), pngSignature.end(), bytes.begin()) && !isIntactPng(bytes))
         throw UsageError(fmt::format("{}: damaged or truncated PNG image", name));

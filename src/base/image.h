@@ -23,7 +23,7 @@ struct ImageF {
     std::vector<float> texels;  ///< width · height · channels
 };
 
-/// Decodes PNG, JPEG, TGA, BMP or SGI (.rgb) bytes into RGBA. `name` is used in the message of the
+/// Decodes PNG, JPEG, WebP, TGA, BMP or SGI (.rgb) bytes into RGBA. `name` is used in the message of the
 /// UsageError that is thrown when the bytes are not one of these or are damaged.
 Image8 decodeImage(std::span<const uint8_t> bytes, const std::string& name);
 Image8 readImage(const std::filesystem::path& path);

@@ -85,7 +85,7 @@ Sampler makeSampler(const SamplerDesc& desc) {
     glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GLint(minify));
     glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GLint(desc.filter));
     glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GLint(desc.wrap));
-    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GLint(desc.wrap));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GLint(desc.wrapT == GL_NONE ? desc.wrap : desc.wrapT));
     const std::array<float, 4> border{desc.border, desc.border, desc.border, desc.border};
     glSamplerParameterfv(name, GL_TEXTURE_BORDER_COLOR, border.data());
     if (desc.compare) {

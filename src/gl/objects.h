@@ -83,9 +83,10 @@ using Sampler = Handle<deleteSampler>;
 struct SamplerDesc {
     GLenum filter = GL_NEAREST;      ///< GL_NEAREST or GL_LINEAR, for magnification and minification
     bool mipmaps = false;
-    GLenum wrap = GL_CLAMP_TO_EDGE;
+    GLenum wrap = GL_CLAMP_TO_EDGE;  ///< along s
     bool compare = false;            ///< GL_LEQUAL against the reference
     float border = 1;                ///< with GL_CLAMP_TO_BORDER: 1 = the map's far plane, hence lit
+    GLenum wrapT = GL_NONE;          ///< along t; GL_NONE: as along s
 };
 Sampler makeSampler(const SamplerDesc& desc);
 

@@ -30,6 +30,9 @@ std::vector<uint16_t> quadIndices(size_t quads) {
     return indices;
 }
 
+/// In the order of scenegen::Wrap.
+constexpr std::array<GLenum, 3> kWraps{GL_REPEAT, GL_CLAMP_TO_EDGE, GL_MIRRORED_REPEAT};
+
 gl::Texture uploadTexture(const base::Image8& image) {
     const int levels = int(std::floor(std::log2(std::max(image.width, image.height)))) + 1;
     gl::Texture texture(GL_SRGB8_ALPHA8, image.width, image.height, 0, levels);
@@ -89,9 +92,11 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
     for (size_t kind = 0; kind < kKinds; ++kind) uvs_[kind] = gl::Buffer::of<uint8_t>(uvs[kind]);
     indices_ = gl::Buffer::of<uint8_t>(indices);
     for (const scenegen::Texture& texture : scene.textures) textures_.push_back(uploadTexture(texture.image));
-    colourSampler_ = gl::makeSampler({GL_LINEAR, true, GL_REPEAT});
     // Alpha is tested as the reference tests it: nearest texel of level 0.
-    alphaSampler_ = gl::makeSampler({GL_NEAREST, false, GL_REPEAT});
+    for (size_t i = 0; i < 9; ++i) {
+        samplers_[0][i] = gl::makeSampler({.filter = GL_LINEAR, .mipmaps = true, .wrap = kWraps[i / 3], .wrapT = kWraps[i % 3]});
+        samplers_[1][i] = gl::makeSampler({.filter = GL_NEAREST, .wrap = kWraps[i / 3], .wrapT = kWraps[i % 3]});
+    }
 
     std::vector<Part> parts;
     for (uint32_t p = 0; p < prototypes_.size(); ++p) parts.push_back({p, prototypes_[p].box, prototypes_[p].castsShadow, prototypes_[p].triangles, prototypes_[p].meshes});
@@ -180,9 +185,10 @@ void GpuScene::collect(const glm::dvec3& eye, const std::function<bool(uint32_t)
 /// Where a program has them.
 struct GpuScene::Uniforms {
     explicit Uniforms(GLuint p)
-        : program(p), grid(glGetUniformLocation(p, "uGrid")), albedo(glGetUniformLocation(p, "uAlbedo")), textured(glGetUniformLocation(p, "uTextured")) {}
+        : program(p), grid(glGetUniformLocation(p, "uGrid")), albedo(glGetUniformLocation(p, "uAlbedo")), textured(glGetUniformLocation(p, "uTextured")),
+          cutoff(glGetUniformLocation(p, "uAlphaCutoff")) {}
     GLuint program;
-    GLint grid, albedo, textured;
+    GLint grid, albedo, textured, cutoff;
 };
 
 void GpuScene::setMaterial(uint32_t index, const Uniforms& uniforms) const {
@@ -191,11 +197,12 @@ void GpuScene::setMaterial(uint32_t index, const Uniforms& uniforms) const {
     glProgramUniform4f(uniforms.program, uniforms.albedo, material.albedo.r, material.albedo.g, material.albedo.b, material.specular);
     glProgramUniform1i(uniforms.program, uniforms.textured, textured);
     if (!textured) return;
-    const GLuint name = textures_[size_t(material.texture)].name();
-    glBindTextureUnit(0, name);
-    glBindSampler(0, colourSampler_.name());
-    glBindTextureUnit(1, name);
-    glBindSampler(1, alphaSampler_.name());
+    glProgramUniform1f(uniforms.program, uniforms.cutoff, material.alphaCutoff);
+    const scenegen::Texture& texture = scene_->textures[size_t(material.texture)];
+    for (GLuint unit = 0; unit < 2; ++unit) {
+        glBindTextureUnit(unit, textures_[size_t(material.texture)].name());
+        glBindSampler(unit, samplers_[unit][size_t(texture.wrapU) * 3 + size_t(texture.wrapV)].name());
+    }
 }
 
 DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces) const {

@@ -49,7 +49,7 @@ public:
     void collect(const glm::dvec3& eye, const std::function<bool(uint32_t instance)>& keep, DrawList& list) const;
 
     /// Submits the meshes of a bucket, their grid set as uGrid on `program`. Unless `attributes` is position alone, the material is set on `program`
-    /// (uAlbedo = colour and specular strength, uTextured) and its texture bound to units 0 (colour) and 1
+    /// (uAlbedo = colour and specular strength, uTextured, uAlphaCutoff) and its texture bound to units 0 (colour) and 1
     /// (alpha, nearest texel of level 0 as in the reference).
     DrawCount draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces = Faces::front) const;
     /// Whether any mesh is in the bucket; whether an opaque one has a texture.
@@ -69,7 +69,8 @@ private:
     gl::Buffer vertices_[kKinds], uvs_[kKinds];
     mutable gl::Buffer indices_;  // grows with clusters
     gl::VertexArray arrays_[kKinds][4];  // by Attributes
-    gl::Sampler colourSampler_, alphaSampler_;
+    /// Samplers of colour and of alpha, by wrap along u and v.
+    std::array<std::array<gl::Sampler, 9>, 2> samplers_;
     mutable std::map<uint32_t, Items> items_;  // by a cluster's triangles
     bool hasOpaque_ = false, hasAlpha_ = false, hasOpaqueTextures_ = false;
 };

@@ -15,9 +15,12 @@ namespace {
 /// Rays may bring a filter of their own: blockers() and transmitted().
 const auto kSceneFlags = RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
 
-int wrap(float coordinate, int size) {
+int texelAt(float coordinate, int size, scenegen::Wrap wrap) {
     const double texel = std::floor(double(coordinate) * size);
-    return std::clamp(int(texel - size * std::floor(texel / size)), 0, size - 1);
+    if (wrap == scenegen::Wrap::clamp) return int(std::clamp(texel, 0.0, double(size - 1)));
+    const int period = wrap == scenegen::Wrap::mirror ? 2 * size : size;
+    const int inPeriod = std::clamp(int(texel - period * std::floor(texel / period)), 0, period - 1);
+    return inPeriod < size ? inPeriod : 2 * size - 1 - inPeriod;
 }
 
 /// Occlusion filter: a hit where the texture is transparent is no hit. Embree calls it from many threads.
@@ -32,15 +35,17 @@ void rejectTransparent(const RTCFilterFunctionNArguments* args) {
 
 }  // namespace
 
-OpacityMask::OpacityMask(const base::Image8& image) : width(image.width), height(image.height) {
+OpacityMask::OpacityMask(const scenegen::Texture& texture, float cutoff)
+    : width(texture.image.width), height(texture.image.height), wrapU(texture.wrapU), wrapV(texture.wrapV) {
+    const base::Image8& image = texture.image;
     if (image.channels < 4) return;
     for (size_t texel = 0; texel < size_t(width) * size_t(height); ++texel)
-        opaque.push_back(float(image.texels[4 * texel + 3]) / 255.0f >= scenegen::kAlphaCutoff);
+        opaque.push_back(float(image.texels[4 * texel + 3]) / 255.0f >= cutoff);
     everywhere = std::ranges::all_of(opaque, [](uint8_t o) { return o != 0; });
 }
 
 bool OpacityMask::at(glm::vec2 uv) const {
-    return opaque[size_t(wrap(uv.y, height)) * size_t(width) + size_t(wrap(uv.x, width))] != 0;
+    return opaque[size_t(texelAt(uv.y, height, wrapV)) * size_t(width) + size_t(texelAt(uv.x, width, wrapU))] != 0;
 }
 
 float OccluderMesh::longestEdge(size_t triangle) const {
@@ -56,7 +61,6 @@ bool OccluderMesh::opaque(size_t triangle, float u, float v) const {
 
 Occluders::Occluders(const scenegen::Scene& scene) : device_(rtcNewDevice(nullptr)) {
     if (!device_) throw base::Error(base::ExitCode::failed, "Embree does not start on this machine: the reference needs it (libembree3)");
-    for (const scenegen::Texture& texture : scene.textures) masks_.emplace_back(texture.image);
     prototypes_.resize(scene.prototypes.size());
     translucent_ = scene.facts().translucent;
     for (const scenegen::Prototype& prototype : scene.prototypes) transmittances_.push_back(prototype.transmittance);
@@ -85,6 +89,15 @@ void Occluders::instancesMoved(const scenegen::Scene& scene) {
     for (size_t i = 0; i < instances_.size(); ++i) instances_[i] = scene.instances[sceneInstances_[i]];
 }
 
+/// Null where all of the material blocks.
+const OpacityMask* Occluders::maskOf(const scenegen::Scene& scene, const scenegen::Material& material) {
+    if (!material.alphaTested || material.texture < 0) return nullptr;
+    const std::pair key(material.texture, material.alphaCutoff);
+    auto it = masks_.find(key);
+    if (it == masks_.end()) it = masks_.emplace(key, OpacityMask(scene.textures[size_t(material.texture)], material.alphaCutoff)).first;
+    return it->second.everywhere ? nullptr : &it->second;
+}
+
 /// No light through shared edges; and filters of rays, if rays have any.
 void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
     const std::vector<scenegen::Mesh>& meshes = scene.prototypes[id].meshes;
@@ -107,8 +120,8 @@ void Occluders::build(const scenegen::Scene& scene, uint32_t id) {
         occluder.triangles = static_cast<const glm::uvec3*>(triangles);
 
         const scenegen::Material& material = scene.materials[mesh.material];
-        if (material.alphaTested && material.texture >= 0 && !masks_[size_t(material.texture)].everywhere) {
-            occluder.mask = &masks_[size_t(material.texture)];
+        if (const OpacityMask* mask = maskOf(scene, material)) {
+            occluder.mask = mask;
             for (size_t i = 0; i < mesh.indices.size(); i += 3)
                 occluder.cornerUvs.push_back({mesh.uvs[mesh.indices[i]], mesh.uvs[mesh.indices[i + 1]], mesh.uvs[mesh.indices[i + 2]]});
             rtcSetGeometryUserData(geometry, &occluder);

@@ -5,8 +5,10 @@
 #include <embree3/rtcore.h>
 
 #include <array>
+#include <map>
 #include <memory>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace dapple::truth {
@@ -18,14 +20,15 @@ struct ReleaseEmbree {
 using DeviceHandle = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseEmbree>;
 using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseEmbree>;
 
-/// Which texels of a texture block light.
+/// Which texels of a texture block light under an alpha cut-off.
 struct OpacityMask {
     int width = 0, height = 0;
+    scenegen::Wrap wrapU, wrapV;
     std::vector<uint8_t> opaque;  ///< width · height, rows from the top
     bool everywhere = true;
 
-    explicit OpacityMask(const base::Image8& image);
-    /// GL_NEAREST of level 0 with GL_REPEAT (OpenGL 4.5, §8.14.3 and table 8.19).
+    OpacityMask(const scenegen::Texture& texture, float cutoff);
+    /// GL_NEAREST of level 0 with the texture's wraps (OpenGL 4.5, §8.14.3 and table 8.19).
     bool at(glm::vec2 uv) const;
 };
 
@@ -83,10 +86,11 @@ private:
         std::vector<OccluderMesh> meshes;
     };
     void build(const scenegen::Scene& scene, uint32_t prototype);
+    const OpacityMask* maskOf(const scenegen::Scene& scene, const scenegen::Material& material);
     void requireNoError() const;
 
     DeviceHandle device_;
-    std::vector<OpacityMask> masks_;     ///< one per texture
+    std::map<std::pair<int, float>, OpacityMask> masks_;  ///< by texture and cut-off
     std::vector<Prototype> prototypes_;  ///< one per prototype of the scene; no scene where it casts nothing
     std::vector<scenegen::Instance> instances_;
     std::vector<uint32_t> sceneInstances_;  ///< parallel to instances_

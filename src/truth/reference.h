@@ -39,7 +39,7 @@ struct Reference {
 /// Ray-traces shadows of one scene with Embree. Building it costs the acceleration structures of the casting
 /// prototypes; trace() may then be called for any number of views and suns, from several threads. The scene
 /// need not outlive it. Alpha-tested triangles block only where the texture's alpha, sampled as GL_NEAREST
-/// of level 0 with repeat, reaches kAlphaCutoff. Throws base::Error when Embree cannot run or has no memory.
+/// of level 0 with the texture's wraps, reaches the material's alphaCutoff. Throws base::Error when Embree cannot run or has no memory.
 ///
 /// Rays run from the receiver to the sun, the start offset along the geometric normal by
 ///     ε = 8 ulp(max |p|) + 1e-6 · edge + 2e-6 · distance from the eye

@@ -68,7 +68,7 @@ TEST(Export, aDamagedFileOfOursIsOneErrorThatNamesIt) {
     dapple::base::expectHolds(line, "damaged");
 }
 
-/// The file as another program would have written it: Assimp reads it.
+/// The file as another program would have written it.
 std::filesystem::path disowned(const Scene& scene) {
     const std::filesystem::path path = written(scene);
     std::string file = dapple::base::readFile(path);
