@@ -70,8 +70,8 @@ std::string fromZip(std::string_view zip, std::string_view ending, const Budget&
     return {};
 }
 
-/// Value of an attribute of the first element of that name at or after `from`, which is moved behind the element; nothing
-/// when there is no such element, "" when it lacks the attribute.
+/// Value of an attribute of the first element of that name at or after `from`, which is moved behind the element;
+/// nothing when there is no such element, "" when it lacks the attribute.
 std::optional<std::string> attribute(std::string_view xml, std::string_view element, std::string_view name,
                                      size_t& from) {
     const auto isBlank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; };

@@ -18,7 +18,7 @@ std::string lower(std::string_view word) {
 
 /// A comment is a # between blanks, or one that begins the line: "Material #25" is a name.
 std::string_view withoutComment(std::string_view line) {
-    const auto isBlank = [&](size_t at) { return at >= line.size() || kBlanks.find(line[at]) != std::string_view::npos; };
+    const auto isBlank = [&](size_t at) { return trimmed(line.substr(std::min(at, line.size()), 1)).empty(); };
     for (size_t at = line.find('#'); at != std::string_view::npos; at = line.find('#', at + 1)) {
         const std::string_view before = line.substr(0, at);
         if (trimmed(before).empty() || (isBlank(at - 1) && isBlank(at + 1))) return before;

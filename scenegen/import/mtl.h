@@ -31,7 +31,8 @@ struct MtlMaterial {
 /// Alias/Wavefront, Advanced Visualizer Manual (1995), appendix B1.
 std::vector<MtlMaterial> readMtl(std::string_view text, Notes& notes);
 
-/// Lines of an OBJ or MTL file: without comments, ends of lines and a byte order mark; those that end with \ are joined.
+/// Lines of an OBJ or MTL file: without comments, ends of lines and a byte order mark; those that end with \ are
+/// joined.
 class ObjLines {
 public:
     explicit ObjLines(std::string_view text);

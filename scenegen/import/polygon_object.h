@@ -27,7 +27,8 @@ struct Faces {
 
 /// What a material of the file becomes.
 struct Look {
-    int textured = -1, flat = -1;  ///< index into FileScene::materials, with and without texture coordinates; -1: not drawn
+    /// Index into FileScene::materials, with and without texture coordinates; -1: not drawn.
+    int textured = -1, flat = -1;
     glm::dvec2 scale{1}, offset{0};  ///< of the texture: u' = scale · u + offset, v growing upwards
 };
 
@@ -36,9 +37,9 @@ struct ObjectPart {
     Look look;
 };
 
-/// Adds an object. Far from the origin its whole metres become those of its node, before anything is a float. Polygons are cut
-/// into triangles; without normals, normals are made. Throws UsageError when a face names a vertex that the file does not
-/// have, or that is not finite.
+/// Adds an object. Far from the origin its whole metres become those of its node, before anything is a float. Polygons
+/// are cut into triangles; without normals, normals are made. Throws UsageError when a face names a vertex that the
+/// file does not have, or that is not finite.
 void addPolygonObject(SceneBuilder& builder, const Budget& budget, const PolygonData& data, const std::string& name,
                       const std::vector<ObjectPart>& parts);
 

@@ -29,7 +29,8 @@ double cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Whether the triangles cover the polygon once. Its corners count as on an edge when they are within a millionth of its size.
+/// Whether the triangles cover the polygon once. Its corners count as on an edge when they are within a millionth of
+/// its size.
 bool covers(const std::vector<std::array<uint32_t, 3>>& triangles, const city::Ring& ring) {
     double sum = 0;
     for (const auto& t : triangles) sum += cross(ring[t[0]], ring[t[1]], ring[t[2]]);

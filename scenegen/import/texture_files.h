@@ -14,9 +14,9 @@
 
 namespace dapple::scenegen {
 
-/// The regular file that `name`, as written in a scene file, means: in one of the folders the path as it is, then its file
-/// name alone, both at last without regard to case. Backslashes are slashes. Empty when there is none.
-/// A file outside the folder that it is looked for in (file_access.h) counts as none, and is noted.
+/// The regular file that `name`, as written in a scene file, means: in one of the folders the path as it is, then its
+/// file name alone, both at last without regard to case. Backslashes are slashes. Empty when there is none. A file
+/// outside the folder that it is looked for in (file_access.h) counts as none, and is noted.
 std::filesystem::path findFile(const std::vector<std::filesystem::path>& folders, std::string name, Notes& notes);
 
 /// Textures of a scene file, each read once. One that cannot be had is noted by name.
@@ -32,8 +32,8 @@ public:
         Wrap wrapU = Wrap::repeat, wrapV = Wrap::repeat;
         std::filesystem::path folder;  ///< searched first; empty: none
     };
-    /// Index into `textures`; -1 when there is no such file or it cannot be decoded. Throws UsageError when all textures
-    /// together are larger than a scene file may ask for.
+    /// Index into `textures`; -1 when there is no such file or it cannot be decoded. Throws UsageError when all
+    /// textures together are larger than a scene file may ask for.
     int load(const Request& request);
 
     /// Pictures that the scene file itself holds; asked first.
@@ -49,9 +49,9 @@ private:
     std::map<std::string, int> index_;
 };
 
-/// Sets texture, alpha test and cut-off of a material whose opacity is `factor` times the texture's alpha and that is drawn where
-/// this is at least `cutoff`. `texture`: -1 for none. Returns false when it is drawn nowhere.
-/// A texture is a cut-out when more than one texel in a thousand falls below: JPEG noise and stray texels do not count.
+/// Sets texture, alpha test and cut-off of a material whose opacity is `factor` times the texture's alpha and that is
+/// drawn where this is at least `cutoff`. `texture`: -1 for none. Returns false when it is drawn nowhere. A texture is
+/// a cut-out when more than one texel in a thousand falls below: JPEG noise and stray texels do not count.
 bool setOpacity(Material& material, const std::vector<Texture>& textures, int texture, float factor,
                 float cutoff = kAlphaCutoff);
 

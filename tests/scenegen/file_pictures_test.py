@@ -1,4 +1,4 @@
-"""Files that say one thing in several ways have one picture: the visibility image of each equals that of its control."""
+"""Files that say one thing in several ways have one picture: each one's visibility image equals its control's."""
 import base64
 import json
 import shutil
@@ -56,7 +56,8 @@ class FilePictures(unittest.TestCase):
                 self.assertEqual(self.picture(file, what), self.picture(control, what), what)
 
     def test_the_controls_differ(self):
-        pictures = {self.picture(FIXTURES / "mtl-opacity" / f"{name}.obj", "visibility") for name in ["control", "nothing", "s2_control"]}
+        names = ["control", "nothing", "s2_control"]
+        pictures = {self.picture(FIXTURES / "mtl-opacity" / f"{name}.obj", "visibility") for name in names}
         self.assertEqual(len(pictures), 3)
 
 
