@@ -294,7 +294,7 @@ TEST(Recipe, badValuesSayWhatIsWrong) {
 TEST(Recipe, badSettingsNameThemselves) {
     EXPECT_THAT(errorOf([] { loadScene("forest-small", {"tree=3"}); }), HasSubstr("unknown key 'tree'; did you mean 'trees'?"));
     EXPECT_THAT(errorOf([] { loadScene("forest-small", {"trees=0"}); }), HasSubstr("setting 'trees=0': trees: 0 is outside"));
-    EXPECT_THAT(errorOf([] { loadScene("forest-small", {"grund.size=3"}); }), HasSubstr("unknown table 'grund'; did you mean 'ground'?"));
+    EXPECT_THAT(errorOf([] { loadScene("forest-small", {"grund.size=3"}); }), HasSubstr("unknown key 'grund'; did you mean 'ground'?"));
     EXPECT_THAT(errorOf([] { loadScene("forest-small", {"species.7.share=3"}); }), HasSubstr("species.7"));
     EXPECT_THAT(errorOf([] { loadScene("forest-small", {"trees"}); }), HasSubstr("must be key=value"));
     EXPECT_THAT(errorOf([] { loadScene("forest-small", {"sun.elevation=high"}); }), HasSubstr("must be a number"));
