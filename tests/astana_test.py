@@ -1,9 +1,13 @@
 """fetch_astana reads vector tiles: one written here by hand, with a courtyard, a neighbour's building and a street."""
+import importlib.machinery
+import importlib.util
+import io
 import json
 import math
 import os
 import subprocess
 import sys
+import tarfile
 import tempfile
 from pathlib import Path
 
@@ -60,8 +64,56 @@ def check(problems, what, got, expected):
         problems.append(f"{what}: {got!r}, expected {expected!r}")
 
 
+def hostile():
+    """An archive of tiles that would write beside its folder: by .., an absolute path, and links to be written through."""
+    out = io.BytesIO()
+    with tarfile.open(fileobj=out, mode="w:gz") as archive:
+        def add(name, data=b"x", **kind):
+            member = tarfile.TarInfo(name)
+            member.size = len(data) if not kind else 0
+            for key, value in kind.items():
+                setattr(member, key, value)
+            archive.addfile(member, io.BytesIO(data) if not kind else None)
+        folder = "package/real-world/osm-qa-astana"
+        add(f"{folder}/12-1-1.mvt", b"good")
+        add(f"{folder}/../../../escaped-1")
+        add(f"{folder}-evil/12-1-2.mvt")
+        add(f"{folder}/../../../../12-1-3.mvt")
+        add("/tmp/dapple-escaped")
+        add(f"{folder}/12-1-4.mvt", type=tarfile.SYMTYPE, linkname="../../../escaped-2")
+        add(f"{folder}/12-1-4.mvt/escaped", b"through a link")
+        add(f"{folder}/12-1-5.mvt", type=tarfile.LNKTYPE, linkname="/etc/passwd")
+        add(f"{folder}/out", type=tarfile.SYMTYPE, linkname="/tmp")
+        add(f"{folder}/out/12-1-6.mvt")
+    return out.getvalue()
+
+
+def check_archives(problems):
+    loader = importlib.machinery.SourceFileLoader("fetch_astana", str(SCRIPT))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("fetch_astana", loader))
+    sys.dont_write_bytecode = True
+    loader.exec_module(module)
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder) / "a/b"
+        work.mkdir(parents=True)
+        module.unpack(hostile(), work)
+        files = sorted(str(p.relative_to(folder)) for p in Path(folder).rglob("*") if not p.is_dir() or p.is_symlink())
+        check(problems, "what a hostile archive leaves", files, ["a/b/package/real-world/osm-qa-astana/12-1-1.mvt"])
+        # Another archive than the known one is not opened at all.
+        bin_folder = Path(folder) / "bin"
+        bin_folder.mkdir()
+        (bin_folder / "package.tgz").write_bytes(hostile())
+        npm = bin_folder / "npm"
+        npm.write_text(f'#!/bin/sh\ncp "{bin_folder}/package.tgz" .\n')
+        npm.chmod(0o755)
+        environment = {**os.environ, "DAPPLE_CACHE": f"{folder}/cache", "PATH": f"{bin_folder}:{os.environ['PATH']}"}
+        done = subprocess.run([SCRIPT], env=environment, capture_output=True, text=True)
+        check(problems, "another archive", (done.returncode, "SHA-512 differs" in done.stderr), (2, True))
+
+
 def main():
     problems = []
+    check_archives(problems)
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         tiles = root / "package/real-world/osm-qa-astana"
