@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/file_name.h"
+#include "base/log.h"
+#include "scenegen/import/file_kind.h"
 #include "scenegen/import/import.h"
 #include "scenegen/recipe.h"
 
@@ -20,6 +22,19 @@ void refuseSettings(const std::string& name, const std::vector<std::string>& set
     throw base::UsageError(fmt::format("setting '{}': only recipes have settings; {} is read from a file", settings[0], name));
 }
 
+Scene readFile(const std::string& name, const fs::path& file, const std::vector<std::string>& settings) {
+    switch (fileKind(file)) {
+        case FileKind::recipe: return readRecipe(file, settings);
+        case FileKind::footprints: return readFootprintScene(file, settings);
+        case FileKind::sidecar:
+            throw base::UsageError(file.string() + ": says how to read a scene file of the same name, and is no scene itself; "
+                                                   "open that file");
+        case FileKind::scene: break;
+    }
+    refuseSettings(name, settings);
+    return importFile(file);
+}
+
 }  // namespace
 
 std::vector<SceneEntry> listScenes() {
@@ -35,9 +50,7 @@ Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& s
     const bool named = !given.empty() && !given.has_extension() && !given.has_parent_path();
     const auto read = [&](const fs::path& file) {
         base::noteInput(file);
-        if (file.extension() == ".toml") return readRecipe(file, settings);
-        refuseSettings(nameOrFile, settings);
-        return importFile(file);
+        return readFile(nameOrFile, file, settings);
     };
     Scene scene;
     if (named && fs::exists(recipe)) {
@@ -53,6 +66,7 @@ Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& s
     } else {
         scene = read(given);
     }
+    for (const std::string& note : scene.notes) base::logWarning(fmt::format("{}: {}", scene.source, note));
     dropBadInstances(scene);
     validate(scene);
     return scene;

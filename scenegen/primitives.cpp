@@ -3,6 +3,7 @@
 #include "base/detmath.h"
 #include "base/random.h"
 #include "scenegen/lod/connectivity.h"
+#include "scenegen/require_memory.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +12,9 @@
 #include <map>
 
 namespace dapple::scenegen {
+
+constexpr size_t kBytesPerCopy = 100;    // an instance, here and in every list over instances
+constexpr size_t kBytesPerSliver = 170;  // three vertices and indices, and the copy that the GPU is handed
 
 Mesh boxMesh(const glm::vec3& size) {
     Mesh mesh;
@@ -100,7 +104,9 @@ void addPrimitive(Scene& scene, base::ConfigTable& t, uint64_t seed) {
     if (kind == "box" || kind == "slab" || kind == "slivers") {
         const glm::dvec3 size = vec3("size");
         if (!(size.x > 0 && size.y > 0 && size.z > 0)) t.fail("size", "must be above 0");
-        mesh = kind == "slivers" ? sliverMesh(glm::vec3(size), size_t(t.integer("triangles", 1000, 1, 10'000'000)), seed) : boxMesh(glm::vec3(size));
+        const auto slivers = kind == "slivers" ? size_t(t.integer("triangles", 1000, 1, 10'000'000)) : 0;
+        requireMemory(t, "triangles", fmt::format("{} slivers", slivers), double(slivers), kBytesPerSliver);
+        mesh = kind == "slivers" ? sliverMesh(glm::vec3(size), slivers, seed) : boxMesh(glm::vec3(size));
     } else if (kind == "sphere") {
         const double radius = t.number("radius", 1, 1e-6, 1e6);
         mesh = sphereMesh(float(radius), int(t.integer("refine", 5, 0, 7)));
@@ -108,6 +114,7 @@ void addPrimitive(Scene& scene, base::ConfigTable& t, uint64_t seed) {
         t.fail("kind", fmt::format("'{}' is none of box, sphere, slab, slivers", kind));
     }
     const auto copies = size_t(t.integer("copies", 1, 1, 100'000'000));
+    requireMemory(t, "copies", fmt::format("{} copies", copies), double(copies), kBytesPerCopy);
     const double scatter = t.number("scatter", 0, 0, 1e6);
     const bool turned = t.boolean("turned", false);
     const float transmittance = readTransmittance(t);

@@ -3,7 +3,6 @@
 #include "base/config.h"
 #include "base/detmath.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/random.h"
 #include "scenegen/city/city.h"
 #include "scenegen/city/courtyard.h"
@@ -14,10 +13,13 @@
 #include "scenegen/placement/path.h"
 #include "scenegen/plants/tree.h"
 #include "scenegen/primitives.h"
+#include "scenegen/recipe_species.h"
+#include "scenegen/require_memory.h"
 #include "scenegen/terrain/ground.h"
 #include "scenegen/terrain/terrain.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -31,21 +33,9 @@ namespace dapple::scenegen {
 namespace {
 
 constexpr int kCardTexels = 256;
-constexpr size_t kBytesPerTree = 140;     ///< while a forest is placed: sown and standing instances, grid, radii
-constexpr size_t kBytesPerTriangle = 60;  ///< of a tree's meshes, leaves with vertices of their own
+constexpr size_t kBytesPerCell = 110;  ///< of ground: a vertex, two triangles, and the copy that the GPU is handed
+constexpr size_t kBytesPerTree = 140;  ///< while a forest is placed: sown and standing instances, grid, radii
 constexpr uint64_t kWindPurpose = 0x77696e64;
-
-struct SpeciesEntry {
-    Species species;
-    int individuals = 1;
-    size_t triangles = 0;
-    LeafMode leaves = LeafMode::polygon;
-    int lod = 0;
-    double keep = 1;
-    float transmittance = 0;
-    Stand stand;  ///< its individuals come when they are grown
-    std::optional<glm::dvec2> position;  ///< of its one tree, which is not scattered
-};
 
 struct PathEntry {
     int views = 0;
@@ -143,6 +133,7 @@ private:
         if (std::optional<base::ConfigTable> t = t_.table("terrain")) {
             if (t_.has("ground")) t_.fail("ground", "a scene has a [ground] or a [terrain], not both");
             terrain_ = readTerrain(*t, seed_, area_);
+            scene_.notes = terrain_->notes.lines();
             groundSize_ = terrain_->size();
             const HeightField& field = terrain_->field;
             height_ = [&field](const glm::dvec2& p) { return field.height(p.x, p.y); };
@@ -157,6 +148,8 @@ private:
         options.undulation = t->number("undulation", 0, 0, 100);
         options.cells = std::max(1, int(std::lround(double(t->integer("cells", options.cells, 1, 2000)) * side)));
         options.seed = seed_;
+        const double cells = double(options.cells) * options.cells;
+        requireMemory(*t, "cells", fmt::format("{0} × {0} cells of ground", options.cells), cells, kBytesPerCell);
         const glm::vec3 colour = readAlbedo(*t, {0.20f, 0.17f, 0.10f});
         t->finish();
         groundSize_ = options.size;
@@ -182,13 +175,6 @@ private:
         wind.time = time_;
         t->finish();
         if (wind.strength > 0) wind_ = wind;
-    }
-
-    /// Refuses what would only end in the kernel's killing the process.
-    static void requireMemory(const base::ConfigTable& t, const char* key, const std::string& what, size_t count, size_t bytesEach) {
-        const double needed = double(count) * double(bytesEach), free = double(base::availableMemory()), gib = double(1 << 30);
-        if (needed > free)
-            t.fail(key, fmt::format("{} need about {:.1f} GiB while they are made, and {:.1f} GiB are free: ask for fewer", what, needed / gib, free / gib));
     }
 
     /// With wind, all trees of one individual stand alike: only then does one bent shape serve them all.
@@ -254,47 +240,7 @@ private:
 
     void readSpecies() {
         for (base::ConfigTable& t : t_.tables("species")) {
-            SpeciesEntry e;
-            const std::string name = t.text("name");
-            try {
-                e.species = loadSpecies(name);
-            } catch (const base::Error& error) {
-                // A damaged species file names itself; an unknown name is this table's fault.
-                if (std::string_view(error.what()).starts_with("unknown")) t.fail("name", error.what());
-                throw;
-            }
-            e.stand.share = t.number("share", 1, 1e-6, 1e6);
-            e.individuals = int(t.integer("individuals", 1, 1, 1000));
-            e.triangles = size_t(t.integer("triangles", 0, 0, 10'000'000));
-            const std::string leaves = t.text("leaves", "polygon");
-            if (leaves != "polygon" && leaves != "card" && leaves != "solid") t.fail("leaves", fmt::format("'{}' is none of polygon, card, solid", leaves));
-            e.leaves = leaves == "card" ? LeafMode::card : leaves == "solid" ? LeafMode::solid : LeafMode::polygon;
-            if (t.has("lod")) {
-                e.lod = int(t.integer("lod", 0, 0, kLods - 1));
-                if (!t.has("triangles")) e.triangles = e.species.triangles[size_t(e.lod)];
-            }
-            e.keep = t.number("keep", 1, 0.001, 1);
-            e.transmittance = readTransmittance(t);
-            if (t.has("position")) {
-                const std::vector<double> p = t.numbers("position", 2);
-                e.position = {p[0], p[1]};
-            }
-            if (t.has("scale")) {
-                const std::vector<double> s = t.numbers("scale", 2);
-                if (!(s[0] > 0 && s[1] >= s[0])) t.fail("scale", "must be [lo, hi] with 0 < lo ≤ hi");
-                e.stand.scale = {s[0], s[1]};
-            }
-            if (t.has("altitude")) {
-                const std::vector<double> z = t.numbers("altitude", 2);
-                if (!(z[1] >= z[0])) t.fail("altitude", "must be [lo, hi] with lo ≤ hi");
-                e.stand.altitude = {z[0], z[1]};
-            }
-            if (t.has("slope")) {
-                const auto [sine, cosine] = base::det::sinCos(t.number("slope", 0, 0, 89) * base::det::kDegree);
-                e.stand.steepest = sine / cosine;
-            }
-            t.finish();
-            requireMemory(t, "individuals", fmt::format("{} individuals of {} triangles", e.individuals, e.triangles), size_t(e.individuals) * e.triangles, kBytesPerTriangle);
+            SpeciesEntry e = readSpeciesEntry(t);
             species_.emplace_back(std::move(e), std::make_unique<base::ConfigTable>(std::move(t)));
         }
         if (species_.empty()) return;
@@ -303,7 +249,7 @@ private:
         if (scattered && !t_.has("trees")) t_.fail("trees", "is required with [[species]] that have no position");
         if (scattered) trees_ = size_t(t_.integer("trees", 0, 1, 4'000'000'000));
         trees_ = std::max<size_t>(scattered ? 1 : 0, size_t(std::llround(double(trees_) * area_)));
-        requireMemory(t_, "trees", fmt::format("{} trees", trees_), trees_, kBytesPerTree);
+        requireMemory(t_, "trees", fmt::format("{} trees", trees_), double(trees_), kBytesPerTree);
         spacing_ = t_.number("spacing", 1, 0, 100);
         crowding_ = t_.boolean("selfThinning", false) ? Crowding::thin : Crowding::shrink;
     }
@@ -390,10 +336,7 @@ private:
     size_t trees_ = 0;
 };
 
-}  // namespace
-
-Scene readRecipe(const std::filesystem::path& path, const std::vector<std::string>& settings) {
-    base::ConfigTable table = base::ConfigTable::parseFile(path);
+Scene readTable(base::ConfigTable table, const std::filesystem::path& path, const std::vector<std::string>& settings) {
     for (const std::string& setting : settings) table.set(setting);
     try {
         Scene scene = RecipeReader(table, path.stem().string()).read();
@@ -402,6 +345,18 @@ Scene readRecipe(const std::filesystem::path& path, const std::vector<std::strin
     } catch (const std::bad_alloc&) {
         throw base::UsageError(path.string() + ": there is no memory for a scene of these counts and this scale; ask for less");
     }
+}
+
+}  // namespace
+
+Scene readRecipe(const std::filesystem::path& path, const std::vector<std::string>& settings) {
+    return readTable(base::ConfigTable::parseFile(path), path, settings);
+}
+
+Scene readFootprintScene(const std::filesystem::path& geojson, const std::vector<std::string>& settings) {
+    const std::string file = nlohmann::json(geojson.filename().string()).dump();  // quoted as TOML quotes, too
+    const std::string text = fmt::format("description = {0}\n[sun]\n[city]\nfootprints = {0}\n", file);
+    return readTable(base::ConfigTable::parseText(text, geojson.string()), geojson, settings);
 }
 
 std::string recipeDescription(const std::filesystem::path& path) { return base::ConfigTable::parseFile(path).text("description"); }

@@ -43,6 +43,9 @@ namespace dapple::scenegen {
 /// Files count from the recipe's own folder. Throws UsageError with file, line and key for anything else. `settings`: see base::ConfigTable::set.
 Scene readRecipe(const std::filesystem::path& path, const std::vector<std::string>& settings);
 
+/// The city of a GeoJSON file, as a recipe with `[city] footprints` alone makes it; `settings` are those of a recipe.
+Scene readFootprintScene(const std::filesystem::path& geojson, const std::vector<std::string>& settings);
+
 /// The recipe's first key. Throws UsageError if it is missing.
 std::string recipeDescription(const std::filesystem::path& path);
 

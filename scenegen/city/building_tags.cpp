@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <array>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -18,10 +18,10 @@ struct Unit {
     double metres;
 };
 constexpr Unit kUnits[] = {
-    {"", 1},         {"m", 1},         {"m.", 1},        {"meter", 1},     {"meters", 1},    {"metre", 1},     {"metres", 1},
-    {"cm", 0.01},    {"km", 1000},     {"ft", 0.3048},   {"ft.", 0.3048},  {"feet", 0.3048}, {"foot", 0.3048}, {"'", 0.3048},
-    {"’", 0.3048},   {"′", 0.3048},    {"in", 0.0254},   {"in.", 0.0254},  {"inch", 0.0254}, {"inches", 0.0254},
-    {"\"", 0.0254},  {"''", 0.0254},   {"”", 0.0254},    {"″", 0.0254},
+    {"", 1},        {"m", 1},        {"m.", 1},       {"meter", 1},     {"meters", 1},    {"metre", 1},
+    {"metres", 1},  {"cm", 0.01},    {"km", 1000},    {"ft", 0.3048},   {"ft.", 0.3048},  {"feet", 0.3048},
+    {"'", 0.3048},  {"’", 0.3048},   {"′", 0.3048},   {"foot", 0.3048}, {"in", 0.0254},   {"inch", 0.0254},
+    {"\"", 0.0254}, {"''", 0.0254},  {"”", 0.0254},   {"″", 0.0254},    {"in.", 0.0254},  {"inches", 0.0254},
 };
 
 bool dropPrefix(std::string_view& text, std::string_view prefix) {
@@ -31,7 +31,8 @@ bool dropPrefix(std::string_view& text, std::string_view prefix) {
 }
 
 void dropBlanks(std::string_view& text) {
-    while (dropPrefix(text, " ") || dropPrefix(text, "\t") || dropPrefix(text, "\n") || dropPrefix(text, "\r") || dropPrefix(text, "\u00a0")) {}
+    constexpr std::string_view kBlanks[] = {" ", "\t", "\n", "\r", "\u00a0"};
+    while (std::any_of(std::begin(kBlanks), std::end(kBlanks), [&](std::string_view b) { return dropPrefix(text, b); })) {}
 }
 
 /// The number that the text begins with, with a decimal point or comma; it is taken off the text.
@@ -75,12 +76,15 @@ double firstOf(const Json& properties, std::initializer_list<const char*> keys, 
         if (at->is_string()) {
             value = parseLength(at->get_ref<const std::string&>());
             // A number of storeys has no unit.
-            if (!isLength && at->get_ref<const std::string&>().find_first_not_of(" +~0123456789.,") != std::string::npos) value.reset();
+            const bool hasUnit = at->get_ref<const std::string&>().find_first_not_of(" +~0123456789.,") != std::string::npos;
+            if (!isLength && hasUnit) value.reset();
         }
         const double highest = isLength ? kHighest : kHighest / kStorey;
         if (value && *value > 0 && *value < highest) return *value;
-        const bool isZero = value && *value == 0;  // for a base the usual value, for a height none
-        if (!isZero) notes.add(fmt::format("values of {} that are no {} are ignored", key, isLength ? "height" : "number of storeys"), at->dump(-1, ' ', false, Json::error_handler_t::replace));
+        // 0 is for a base the usual value, and for a height none.
+        if (value && *value == 0) continue;
+        const char* kind = isLength ? "height" : "number of storeys";
+        notes.add(fmt::format("values of {} that are no {} are ignored", key, kind), at->dump());
     }
     return 0;
 }
@@ -100,7 +104,8 @@ bool has(const Json& properties, const char* key) {
 
 std::optional<double> parseLength(std::string_view text) {
     dropBlanks(text);
-    while (dropPrefix(text, "~") || dropPrefix(text, "≈") || dropPrefix(text, "+") || dropPrefix(text, "ca.") || dropPrefix(text, "c.")) dropBlanks(text);
+    for (const std::string_view about : {"~", "≈", "+", "ca.", "c."})
+        if (dropPrefix(text, about)) dropBlanks(text);
     const bool isNegative = dropPrefix(text, "-");
     const std::optional<double> number = dropNumber(text);
     if (!number) return {};
@@ -132,12 +137,14 @@ BuildingTags readBuildingTags(const Json& properties, Notes& notes) {
     if (!tags.stands) return tags;
     for (const char* key : {"roof:shape", "roof_shape"})
         if (has(properties, key) && !says(properties, key, "flat"))
-            notes.add("roofs are flat, at the building's full height, whatever " + std::string(key) + " says", properties[key].dump(-1, ' ', false, Json::error_handler_t::replace));
+            notes.add(fmt::format("roofs are flat, at the building's full height, whatever {} says", key), properties[key].dump());
 
     tags.base = firstOf(properties, {"min_height", "render_min_height", "building:min_height"}, true, notes);
-    if (tags.base == 0) tags.base = kStorey * firstOf(properties, {"building:min_level", "min_level", "min_floor"}, false, notes);
+    if (tags.base == 0)
+        tags.base = kStorey * firstOf(properties, {"building:min_level", "min_level", "min_floor"}, false, notes);
     tags.height = firstOf(properties, {"height", "render_height", "building:height"}, true, notes);
-    if (tags.height == 0) tags.height = kStorey * firstOf(properties, {"building:levels", "levels", "num_floors"}, false, notes);
+    if (tags.height == 0)
+        tags.height = kStorey * firstOf(properties, {"building:levels", "levels", "num_floors"}, false, notes);
     tags.knowsHeight = tags.height > 0;
     if (!tags.knowsHeight) tags.height = tags.base + kUsualHeight;
     if (tags.base >= tags.height) {

@@ -69,10 +69,11 @@ void replaceByParts(std::vector<Building>& buildings, Notes& notes) {
         for (const glm::dvec2& p : building.rings[0]) lo = glm::min(lo, p), hi = glm::max(hi, p);
         double covered = 0;
         for (int x = cellOf(lo.x); x <= cellOf(hi.x); ++x)
-            for (auto row = parts.lower_bound({x, cellOf(lo.y)}); row != parts.end() && row->first <= std::pair(x, cellOf(hi.y)); ++row)
+            for (auto row = parts.lower_bound({x, cellOf(lo.y)}); row != parts.upper_bound({x, cellOf(hi.y)}); ++row)
                 for (const size_t i : row->second) {
-                    bool isIn = contains(building.rings[0], within[i]);
-                    for (size_t h = 1; h < building.rings.size(); ++h) isIn = isIn && !contains(building.rings[h], within[i]);
+                    // In the outline and in no courtyard.
+                    bool isIn = false;
+                    for (const Ring& ring : building.rings) isIn = isIn != contains(ring, within[i]);
                     if (isIn) covered += areaOf(buildings[i].rings), replaced[k] = true;
                 }
         if (replaced[k] && covered < 0.5 * areaOf(building.rings))
@@ -90,8 +91,10 @@ void addTidied(const Building& raw, std::vector<Building>& buildings, Footprints
     if (tidy.crosses) out.notes.add("outlines that cross themselves are left out");
     if (tidy.smallParts > 0) out.notes.add("outlines of less than a square metre are left out", "", tidy.smallParts);
     if (tidy.smallHoles > 0) out.notes.add("courtyards of less than a square metre are filled", "", tidy.smallHoles);
-    if (tidy.badHoles > 0) out.notes.add("courtyards that cross another outline or lie outside are filled", "", tidy.badHoles);
-    if (tidy.polygons.empty() && !tidy.crosses && tidy.smallParts == 0) out.notes.add("outlines without an area are left out");
+    if (tidy.badHoles > 0)
+        out.notes.add("courtyards that cross another outline or lie outside are filled", "", tidy.badHoles);
+    if (tidy.polygons.empty() && !tidy.crosses && tidy.smallParts == 0)
+        out.notes.add("outlines without an area are left out");
     if (tidy.polygons.empty()) ++out.refused;
     for (std::vector<Ring>& rings : tidy.polygons) buildings.push_back({std::move(rings), raw.tags});
 }
@@ -101,7 +104,8 @@ bool isNew(const Building& building, std::set<std::tuple<int64_t, int64_t, int64
     glm::dvec2 sum(0);
     for (const glm::dvec2& p : building.rings[0]) sum += p / double(building.rings[0].size());
     const auto key = [](double x) { return int64_t(std::floor(x * 10)); };
-    return seen.insert({key(sum.x), key(sum.y), key(areaOf(building.rings)), key(building.tags.base), building.tags.isPart}).second;
+    const BuildingTags& tags = building.tags;
+    return seen.insert({key(sum.x), key(sum.y), key(areaOf(building.rings)), key(tags.base), tags.isPart}).second;
 }
 
 }  // namespace
@@ -125,7 +129,8 @@ Footprints parseFootprints(std::string_view json, const std::string& name, bool 
         for (Ring& ring : building.rings)
             for (glm::dvec2& p : ring) points.push_back(&p);
     const Crs crs = crsOf(named, projected, name);
-    if (projected && crs != Crs::metres) out.notes.add("projected = true is overruled by the crs that the file names", named);
+    if (projected && crs != Crs::metres)
+        out.notes.add("projected = true is overruled by the crs that the file names", named);
     projectToPlane(points, crs, name);
 
     std::vector<Building> buildings;
@@ -140,7 +145,8 @@ Footprints parseFootprints(std::string_view json, const std::string& name, bool 
         out.notes.add("outlines that are given twice are built once");
     }
     replaceByParts(buildings, out.notes);
-    if (buildings.empty()) throw base::UsageError(name + ": has no building: every polygon crosses itself or is smaller than 1 m²");
+    if (buildings.empty())
+        throw base::UsageError(name + ": has no building: every polygon crosses itself or is smaller than 1 m²");
     for (Building& building : buildings) {
         out.withoutHeight += !building.tags.knowsHeight;
         out.buildings.push_back({std::move(building.rings), building.tags.height, building.tags.base});

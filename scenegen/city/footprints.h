@@ -10,8 +10,8 @@
 /// Real buildings: GeoJSON footprints with heights, as OpenStreetMap, cities' open data and vector tiles give them.
 namespace dapple::scenegen::city {
 
-/// Outline of one building and its courtyards: counter-clockwise, then clockwise, plan metres. Rings do not cross, but may
-/// touch themselves at a point.
+/// Outline of one building and its courtyards: counter-clockwise, then clockwise, plan metres. Rings do not cross, but
+/// may touch themselves at a point.
 struct Footprint {
     std::vector<std::vector<glm::dvec2>> rings;
     double height = 0;  ///< metres above the ground, above `base`
@@ -25,8 +25,8 @@ struct Footprints {
     Notes notes;               ///< what is not built as the file says, each with its reason
 };
 
-/// Buildings of GeoJSON (city/geojson.h) with what their properties say (city/building_tags.h), on a plane about the middle
-/// (city/projection.h). `projected`: coordinates of a file that names no system are metres. Outlines in which a
+/// Buildings of GeoJSON (city/geojson.h) with what their properties say (city/building_tags.h), on a plane about the
+/// middle (city/projection.h). `projected`: coordinates of a file that names no system are metres. Outlines in which a
 /// building:part lies are not built, as OpenStreetMap's Simple 3D Buildings has it.
 /// Throws UsageError with the name and the reason: no GeoJSON, no building, what the budget of a file does not allow.
 Footprints parseFootprints(std::string_view json, const std::string& name, bool projected);

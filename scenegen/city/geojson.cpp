@@ -23,7 +23,7 @@ std::string asUtf8(std::string_view text, const std::string& name, Notes& notes)
     bool isUtf8 = true;
     for (size_t i = 0; i < text.size() && isUtf8;) {
         const auto c = static_cast<unsigned char>(text[i]);
-        const size_t length = c < 0x80 ? 1 : c >= 0xc2 && c < 0xe0 ? 2 : c >= 0xe0 && c < 0xf0 ? 3 : c >= 0xf0 && c < 0xf5 ? 4 : 0;
+        const size_t length = c < 0x80 ? 1 : c < 0xc2 ? 0 : c < 0xe0 ? 2 : c < 0xf0 ? 3 : c < 0xf5 ? 4 : 0;
         isUtf8 = length > 0 && i + length <= text.size();
         for (size_t k = 1; k < length && isUtf8; ++k) isUtf8 = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
         i += length;
@@ -94,8 +94,8 @@ public:
             ++number_;
             geometry(value, kNoProperties);
         } else {
-            fail(name_, type.empty() ? "not a GeoJSON FeatureCollection, Feature or geometry"
-                                     : fmt::format("is of type '{}', not a GeoJSON FeatureCollection, Feature or geometry", printable(type)));
+            const std::string what = type.empty() ? "" : fmt::format("is of type '{}', ", printable(type));
+            fail(name_, what + "not a GeoJSON FeatureCollection, Feature or geometry");
         }
     }
 
@@ -103,12 +103,13 @@ public:
 
 private:
     static bool isGeometry(const std::string& type) {
-        for (const char* known : {"Polygon", "MultiPolygon", "GeometryCollection", "Point", "MultiPoint", "LineString", "MultiLineString"})
+        for (const char* known : {"Polygon", "MultiPolygon", "GeometryCollection", "Point", "MultiPoint", "LineString",
+                                  "MultiLineString"})
             if (type == known) return true;
         return false;
     }
 
-    [[noreturn]] void failHere(const std::string& why) const { fail(name_, fmt::format("feature {}: {}", number_, why)); }
+    [[noreturn]] void failHere(const char* why) const { fail(name_, fmt::format("feature {}: {}", number_, why)); }
 
     void feature(const Json& value) {
         ++number_;
@@ -155,7 +156,8 @@ private:
             if (!p.is_array() || p.size() < 2 || !p[0].is_number() || !p[1].is_number())
                 failHere("a coordinate is not a pair of numbers");
             ring.emplace_back(p[0].get<double>(), p[1].get<double>());
-            if (!(std::abs(ring.back().x) < 1e9 && std::abs(ring.back().y) < 1e9)) failHere("a coordinate is beyond reason");
+            if (!(std::abs(ring.back().x) < 1e9 && std::abs(ring.back().y) < 1e9))
+                failHere("a coordinate is beyond reason");
         }
         return ring;
     }
@@ -166,11 +168,9 @@ private:
         const Json* properties = value->is_object() ? member(*value, "properties") : nullptr;
         std::string found = "unknown kind";
         if (value->is_string()) found = value->get<std::string>();
-        if (properties && properties->is_object()) {
-            if (const Json* name = member(*properties, "name"); name && name->is_string()) found = name->get<std::string>();
-            else if (const Json* code = member(*properties, "code")) found = "EPSG:" + (code->is_string() ? code->get<std::string>() : code->dump());
-            else if (const Json* link = member(*properties, "href"); link && link->is_string()) found = link->get<std::string>();
-        }
+        for (const char* key : {"href", "code", "name"})
+            if (const Json* text = properties && properties->is_object() ? member(*properties, key) : nullptr)
+                found = text->is_string() ? text->get<std::string>() : "EPSG:" + text->dump();
         if (!crs.empty() && crs != found) fail(name_, "names two coordinate reference systems");
         crs = found;
     }

@@ -16,9 +16,9 @@ namespace dapple::scenegen::city {
 using PolygonSink = std::function<void(std::vector<Ring> rings, const nlohmann::json& properties)>;
 
 /// Reads GeoJSON (RFC 7946): a FeatureCollection, Feature or geometry, or a sequence of them (one a line, or RFC 8142).
-/// What is no polygon is counted in `notes`. Returns the name of the coordinate reference system, as the older standard's
-/// member `crs` gives it; empty: none. Throws UsageError with `name` and the reason: not JSON, not GeoJSON, nested
-/// deeper than 64, a coordinate that is no number.
+/// What is no polygon is counted in `notes`. Returns the name of the coordinate reference system, as the older
+/// standard's member `crs` gives it; empty: none. Throws UsageError with `name` and the reason: not JSON, not GeoJSON,
+/// nested deeper than 64, a coordinate that is no number.
 std::string readGeoJson(std::string_view text, const std::string& name, const PolygonSink& sink, Notes& notes);
 
 }  // namespace dapple::scenegen::city

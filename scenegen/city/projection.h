@@ -15,8 +15,8 @@ enum class Crs {
 };
 
 /// The system that a GeoJSON file names. No name: degrees, or metres when the user says `projected`. UTM zones count as
-/// metres of a plane (0.1 % off at most). Throws UsageError with `name` for systems that are not read, unless `projected`
-/// says that their unit is the metre.
+/// metres of a plane (0.1 % off at most). Throws UsageError with `name` for systems that are not read, unless
+/// `projected` says that their unit is the metre.
 Crs crsOf(const std::string& crs, bool projected, const std::string& name);
 
 /// Puts points given as `crs` on a plane, in metres about the middle of all: equirectangular from degrees (0.1 % off at

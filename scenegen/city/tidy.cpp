@@ -51,7 +51,8 @@ Ring straightened(const Ring& ring) {
     size_t kept = 0;
     for (size_t i = 2; i <= n; ++i) {
         bool isStraight = i - kept <= kLongestRun;
-        for (size_t k = kept + 1; k < i && isStraight; ++k) isStraight = distanceToLine(at(k), at(kept), at(i)) <= kStraight;
+        for (size_t k = kept + 1; k < i && isStraight; ++k)
+            isStraight = distanceToLine(at(k), at(kept), at(i)) <= kStraight;
         if (isStraight) continue;
         kept = i - 1;
         out.push_back(at(kept));

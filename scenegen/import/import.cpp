@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "scenegen/import/auto_views.h"
+#include "scenegen/import/file_kind.h"
 #include "scenegen/import/file_scene.h"
 #include "scenegen/import/gltf_reader.h"
 #include "scenegen/import/own_gltf.h"
@@ -52,7 +53,7 @@ Scene readContent(const fs::path& file) {
     if (isGltf(file)) {
         GltfDocument document(file);
         // A sidecar changes what a file says, which only a reading of its triangles allows.
-        if (!fs::exists(fs::path(file).replace_extension(".toml")))
+        if (!hasSidecar(file))
             if (std::optional<Scene> own = readOwnGltf(document)) {
                 own->notes = document.notes.lines();
                 dropBadInstances(*own);

@@ -1,6 +1,7 @@
 #include "scenegen/import/sidecar.h"
 
 #include "base/config.h"
+#include "scenegen/import/file_kind.h"
 
 #include <fnmatch.h>
 
@@ -32,7 +33,7 @@ View readView(base::ConfigTable& table) {
 Sidecar readSidecar(const std::filesystem::path& file) {
     Sidecar sidecar;
     const auto path = std::filesystem::path(file).replace_extension(".toml");
-    if (path == file || !std::filesystem::exists(path)) return sidecar;
+    if (!hasSidecar(file)) return sidecar;
     auto root = base::ConfigTable::parseFile(path);
     if (root.has("up")) {
         const std::string up = root.text("up");

@@ -3,9 +3,11 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/image.h"
+#include "scenegen/terrain/holes.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -15,6 +17,8 @@
 namespace dapple::scenegen {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr size_t kMostSamples = size_t(1) << 28;
 
 static_assert(std::endian::native == std::endian::little, "ZIP, NPY and the readers below are little-endian");
 
@@ -58,6 +62,7 @@ std::optional<base::ImageF> readNpy(std::string_view bytes) {
     if (std::sscanf(shape.c_str(), " (%d, %d)", &rows, &columns) != 2) return {};
     if (!headerValue(header, "'fortran_order'").starts_with(" False")) throw std::runtime_error("its array is in Fortran order");
     const size_t count = size_t(std::max(rows, 0)) * size_t(std::max(columns, 0));
+    if (count > kMostSamples) throw std::runtime_error("an array of more than 2^28 samples");
     const auto read = [&]<class T>(T) {
         if (data.size() / sizeof(T) < count) throw std::runtime_error("its array is truncated");
         return base::ImageF{columns, rows, 1, converted<T>(data, count)};
@@ -65,6 +70,7 @@ std::optional<base::ImageF> readNpy(std::string_view bytes) {
     if (type.starts_with(" '<i2'")) return read(int16_t{});
     if (type.starts_with(" '<u2'")) return read(uint16_t{});
     if (type.starts_with(" '<i4'")) return read(int32_t{});
+    if (type.starts_with(" '<i8'")) return read(int64_t{});
     if (type.starts_with(" '<f4'")) return read(float{});
     if (type.starts_with(" '<f8'")) return read(double{});
     if (type.starts_with(" '|u1'")) return read(uint8_t{});
@@ -94,14 +100,32 @@ base::ImageF readNpz(std::string_view zip) {
     throw std::runtime_error("holds no two-dimensional array");
 }
 
+/// The one channel that the heights are in; what is transparent becomes NaN. Throws for colours, which code something else.
+base::ImageF greyOf(const base::ImageF& image, const fs::path& file) {
+    const auto channels = size_t(image.channels);
+    if (channels == 1) return image;
+    const bool hasAlpha = channels == 2 || channels == 4;
+    base::ImageF grey{image.width, image.height, 1, std::vector<float>(image.texels.size() / channels)};
+    for (size_t i = 0; i < grey.texels.size(); ++i) {
+        const float* texel = &image.texels[i * channels];
+        if (channels > 2 && (texel[0] != texel[1] || texel[0] != texel[2]) && !(std::isnan(texel[0]) && std::isnan(texel[1])))
+            throw base::UsageError(file.string() + ": is coloured, and heights coded as colours are not read; convert it to "
+                                                   "one channel of heights");
+        grey.texels[i] = hasAlpha && texel[channels - 1] == 0 ? NAN : texel[0];
+    }
+    return grey;
+}
+
 base::ImageF readGrid(const fs::path& file) {
-    const std::string extension = file.extension().string();
-    if (extension == ".png") return base::readGrey16(file);
+    std::string extension = file.extension().string();
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    if (extension == ".png") return greyOf(base::readPng16(file), file);
     if (extension == ".exr") {
         base::ImageF image = base::readExr(file);
-        for (size_t i = 0; i < image.texels.size() / size_t(image.channels); ++i) image.texels[i] = image.texels[i * size_t(image.channels)];
-        image.texels.resize(size_t(image.width) * size_t(image.height));
-        return image;
+        if (image.channels == 2)
+            throw base::UsageError(file.string() + ": has channels R and G, and a height map has one channel");
+        return greyOf(image, file);
     }
     if (extension == ".npz") {
         try {
@@ -116,15 +140,27 @@ base::ImageF readGrid(const fs::path& file) {
 
 }  // namespace
 
-HeightField readHeights(const fs::path& file, double spacing, double vertical) {
+HeightField readHeights(const fs::path& file, double spacing, double vertical, Notes& notes) {
     base::ImageF grid = readGrid(file);
     if (grid.width < 2 || grid.height < 2) throw base::UsageError(fmt::format("{}: a height map needs at least 2 × 2 samples", file.string()));
+    const std::vector<bool> holes = holesOf(grid);
+    if (const auto count = size_t(std::count(holes.begin(), holes.end(), true)); count > 0) {
+        if (count == holes.size())
+            throw base::UsageError(file.string() + ": holds no height, only marks for what was not measured");
+        const auto first = size_t(std::find(holes.begin(), holes.end(), true) - holes.begin());
+        const size_t column = first % size_t(grid.width), row = first / size_t(grid.width);
+        notes.add("samples without a height are filled from their surroundings",
+                  fmt::format("column {}, row {} of {}", column, row, file.filename().string()), count);
+        fillHoles(grid, holes);
+    }
     HeightField field{grid.width, grid.height, spacing, {}};
     field.heights.reserve(grid.texels.size());
     for (int row = grid.height - 1; row >= 0; --row)
         for (int i = 0; i < grid.width; ++i) {
             const float z = float(grid.texels[size_t(row) * size_t(grid.width) + size_t(i)] * vertical);
-            if (!std::isfinite(z)) throw base::UsageError(fmt::format("{}: the height in column {}, row {} is not a number", file.string(), i, row));
+            if (!std::isfinite(z))
+                throw base::UsageError(fmt::format("{}: the height in column {}, row {} is beyond a float's range",
+                                                   file.string(), i, row));
             field.heights.push_back(z);
         }
     return field;

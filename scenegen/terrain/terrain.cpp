@@ -2,6 +2,7 @@
 
 #include "scenegen/lod/connectivity.h"
 #include "scenegen/primitives.h"
+#include "scenegen/require_memory.h"
 #include "scenegen/terrain/height_file.h"
 
 #include <fmt/format.h>
@@ -13,6 +14,8 @@ namespace dapple::scenegen {
 namespace {
 
 constexpr int kCoarsest = 8;  // samples per step at the lowest level of detail
+constexpr size_t kBytesPerCell = 120;  // a height, twice, a vertex, two triangles, and the copy that the GPU is handed
+constexpr int64_t kMostDroplets = 100'000'000;
 
 /// The middle of the field, so large that every tile has a multiple of kCoarsest cells.
 HeightField cropped(const HeightField& field, int tiles) {
@@ -35,11 +38,15 @@ HeightField grow(base::ConfigTable& t, int tiles, uint64_t seed, double area) {
     fbm.gain = t.number("gain", fbm.gain, 0, 1);
     fbm.lacunarity = t.number("lacunarity", fbm.lacunarity, 1, 8);
     fbm.seed = seed;
-    const auto droplets = size_t(double(t.integer("droplets", 0, 0, 100'000'000)) * area);
+    const double all = double(cells) * cells;
+    requireMemory(t, "cells", fmt::format("{0} × {0} cells of terrain", cells), all, kBytesPerCell);
+    const double droplets = double(t.integer("droplets", 0, 0, kMostDroplets)) * area;
+    if (droplets > kMostDroplets)
+        t.fail("droplets", fmt::format("{:.0f} droplets, times scale, are too many: at most {} fall", droplets, kMostDroplets));
     HeightField field{cells + 1, cells + 1, size / cells, std::vector<float>(size_t(cells + 1) * size_t(cells + 1))};
     addFbm(field, fbm);
     field.stretch(relief);
-    erode(field, droplets, seed);
+    erode(field, size_t(droplets), seed);
     field.stretch(relief);
     return field;
 }
@@ -53,9 +60,13 @@ Terrain readTerrain(base::ConfigTable& t, uint64_t seed, double area) {
     terrain.skirt = t.number("skirt", terrain.skirt, 1e-3, 1e5);
     terrain.albedo = readAlbedo(t, terrain.albedo);
     HeightField field;
+    std::filesystem::path file;
     if (t.has("file")) {
         const double spacing = t.number("spacing", 1, 1e-6, 1e6), vertical = t.number("vertical", 1, -1e6, 1e6);
-        field = readHeights(t.path("file"), spacing, vertical);
+        file = t.path("file");
+        field = readHeights(file, spacing, vertical, terrain.notes);
+        const double samples = double(field.columns) * field.rows;
+        requireMemory(t, "file", fmt::format("{} × {} samples", field.columns, field.rows), samples, kBytesPerCell);
     } else {
         field = grow(t, terrain.tiles, seed, area);
     }
@@ -63,6 +74,11 @@ Terrain readTerrain(base::ConfigTable& t, uint64_t seed, double area) {
     if (std::min(field.columns, field.rows) - 1 < terrain.tiles * kCoarsest)
         t.fail("tiles", fmt::format("{} × {} samples are too few for {} tiles of at least {} cells a side", field.columns, field.rows, terrain.tiles, kCoarsest));
     terrain.field = cropped(field, terrain.tiles);
+    const int columns = field.columns - terrain.field.columns, rows = field.rows - terrain.field.rows;
+    if (!file.empty() && columns + rows > 0)
+        terrain.notes.add(fmt::format("{} columns and {} rows at the border are left out, so that each of {} × {} tiles has a "
+                                      "multiple of {} cells a side", columns, rows, terrain.tiles, terrain.tiles, kCoarsest),
+                          file.filename().string());
     return terrain;
 }
 

@@ -31,9 +31,15 @@ void makeFolder(const fs::path& dir) {
 
 }  // namespace
 
+void requireRegularFile(const fs::path& path) {
+    std::error_code ignored;
+    if (fs::is_other(path, ignored)) throw UsageError(fmt::format("{} is a pipe or a device, not a file", path.string()));
+}
+
 std::string readFile(const fs::path& path) {
     std::error_code ignored;
     if (fs::is_directory(path, ignored)) throw UsageError(fmt::format("{} is a folder, not a file", path.string()));
+    requireRegularFile(path);
     std::ifstream in(path, std::ios::binary);
     if (!in) throw UsageError(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
     noteInput(path);

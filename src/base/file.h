@@ -6,8 +6,11 @@
 
 namespace dapple::base {
 
+/// Throws UsageError for a pipe or a device, of which reading might never end. What is missing passes.
+void requireRegularFile(const std::filesystem::path& path);
+
 /// Whole file as bytes, which is an input from then on (noteInput() in file_name.h). Throws UsageError naming the path
-/// when it is missing, a folder or unreadable.
+/// when it is missing, a folder, a pipe, a device or unreadable.
 std::string readFile(const std::filesystem::path& path);
 
 /// Writes a file whole or not at all: temporary file beside it, fsync, rename. Creates parent folders.

@@ -116,15 +116,14 @@ Image8 readImage(const fs::path& path) {
     return decodeImage({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, path.string());
 }
 
-ImageF readGrey16(const fs::path& path) {
+ImageF readPng16(const fs::path& path) {
     const std::string bytes = readFile(path);
     const std::span<const uint8_t> data{reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()};
     if (!isIntactPng(data)) throw UsageError(fmt::format("{}: not a PNG image, or damaged", path.string()));
     int w = 0, h = 0, channels = 0;
     stbi_us* texels = stbi_load_16_from_memory(data.data(), int(data.size()), &w, &h, &channels, 0);
     if (!texels) throw UsageError(fmt::format("{}: not an image that can be read ({})", path.string(), stbi_failure_reason()));
-    ImageF image{w, h, 1, std::vector<float>(size_t(w) * size_t(h))};
-    for (size_t i = 0; i < image.texels.size(); ++i) image.texels[i] = texels[i * size_t(channels)];
+    ImageF image{w, h, channels, {texels, texels + size_t(w) * size_t(h) * size_t(channels)}};
     stbi_image_free(texels);
     return image;
 }
@@ -177,6 +176,7 @@ void writeExr(const fs::path& path, const ImageF& image) {
 }
 
 ImageF readExr(const fs::path& path) {
+    requireRegularFile(path);
     try {
         Imf::InputFile file(path.c_str());
         const auto window = file.header().dataWindow();

@@ -28,8 +28,8 @@ struct ImageF {
 Image8 decodeImage(std::span<const uint8_t> bytes, const std::string& name);
 Image8 readImage(const std::filesystem::path& path);
 
-/// First channel of a PNG as 0 … 65535; 8-bit values count 257 each. Throws as readImage().
-ImageF readGrey16(const std::filesystem::path& path);
+/// All channels of a PNG as 0 … 65535; 8-bit values count 257 each. Throws as readImage().
+ImageF readPng16(const std::filesystem::path& path);
 
 /// Raw deflate data, which must yield `size` bytes. Throws std::runtime_error when damaged. (The image decoder brings it.)
 std::string inflate(const std::string& packed, size_t size);

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -289,6 +291,26 @@ TEST(Recipe, badValuesSayWhatIsWrong) {
     EXPECT_THAT(errorOf([] { load("description = \"x\"\n[[primitive]]\nkind = \"cube\"\nposition = [0,0,0]\n"); }), HasSubstr("'cube' is none of box"));
     EXPECT_THAT(errorOf([] { load("description = \"x\"\n[[primitive]]\nkind = \"box\"\nposition = [0,0,0]\nsize = [1,0,1]\n"); }), HasSubstr(":5: size"));
     EXPECT_THAT(errorOf([] { load("description = \n"); }), HasSubstr("not valid TOML"));
+}
+
+TEST(Recipe, countsThatMultiplyAreGuarded) {
+    const std::string view = "[[view]]\nname = \"v\"\neye = [0, 0, 9]\ntarget = [1, 0, 0]\n";
+    const auto refusal = [&](const std::string& text) { return errorOf([&] { load("description = \"x\"\n" + text + view); }); };
+    EXPECT_THAT(refusal("scale = 10000\n[ground]\ncells = 2000\n"), HasSubstr("cells: 200000 × 200000 cells of ground need about"));
+    EXPECT_THAT(refusal("scale = 10000\n[terrain]\ncells = 16384\n"), HasSubstr("cells: 1638400 × 1638400 cells of terrain need about"));
+    EXPECT_THAT(refusal("scale = 10000\n[terrain]\ncells = 8\ntiles = 1\ndroplets = 1000000\n"), HasSubstr("droplets: 10000000000 droplets"));
+    // Where a machine has the memory for it, a limit of its own may not leave it.
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+    rlimit less = before;
+    less.rlim_cur = std::min<rlim_t>(before.rlim_max, rlim_t(4) << 30);
+    ASSERT_EQ(::setrlimit(RLIMIT_AS, &less), 0);
+    const std::string primitive = "[[primitive]]\nposition = [0, 0, 0]\nsize = [1, 1, 1]\n";
+    EXPECT_THAT(refusal(primitive + "kind = \"box\"\ncopies = 100000000\n"), HasSubstr("copies: 100000000 copies need about"));
+    less.rlim_cur = std::min<rlim_t>(before.rlim_max, rlim_t(3) << 29);
+    ASSERT_EQ(::setrlimit(RLIMIT_AS, &less), 0);
+    EXPECT_THAT(refusal(primitive + "kind = \"slivers\"\ntriangles = 10000000\n"), HasSubstr("triangles: 10000000 slivers need about"));
+    ::setrlimit(RLIMIT_AS, &before);
 }
 
 TEST(Recipe, badSettingsNameThemselves) {

@@ -7,7 +7,9 @@
 #include "scenegen/recipe.h"
 #include "scenegen/terrain/height_file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstring>
@@ -127,6 +129,8 @@ protected:
         base::writeFile(folder_ / name, bytes);
         return folder_ / name;
     }
+    Notes notes_;
+
     template <class T>
     static std::string little(T value) { return std::string(reinterpret_cast<const char*>(&value), sizeof(T)); }
 
@@ -147,7 +151,7 @@ protected:
 TEST_F(HeightFile, numpyArraysOfEveryTypeHaveNorthOnTop) {
     for (const auto& [type, bytes] : {std::pair{"<i2", npy<int16_t>("<i2")}, {"<u2", npy<uint16_t>("<u2")}, {"<i4", npy<int32_t>("<i4")},
                                       {"<f4", npy<float>("<f4")}, {"<f8", npy<double>("<f8")}, {"|u1", npy<uint8_t>("|u1")}}) {
-        const HeightField field = readHeights(write("h.npz", zipped(bytes)), 30, 2);
+        const HeightField field = readHeights(write("h.npz", zipped(bytes)), 30, 2, notes_);
         ASSERT_EQ(field.columns, 3) << type;
         ASSERT_EQ(field.rows, 2);
         EXPECT_EQ(field.at(0, 0), 20);  // south-west
@@ -160,7 +164,7 @@ TEST_F(HeightFile, numpyArraysOfEveryTypeHaveNorthOnTop) {
 TEST_F(HeightFile, aRealDeflatedArchiveIsRead) {
     const fs::path file = "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz";
     if (!fs::exists(file)) GTEST_SKIP() << "python-matplotlib-data is not installed";
-    const HeightField field = readHeights(file, 92.5, 1);
+    const HeightField field = readHeights(file, 92.5, 1, notes_);
     ASSERT_EQ(field.columns, 403);
     ASSERT_EQ(field.rows, 344);
     EXPECT_EQ(field.at(0, 343), 483);
@@ -170,7 +174,7 @@ TEST_F(HeightFile, aRealDeflatedArchiveIsRead) {
 
 TEST_F(HeightFile, exrIsReadAsMetres) {
     base::writeExr(folder_ / "h.exr", {2, 2, 1, {1.5f, 2.5f, 3.5f, 4.5f}});
-    const HeightField field = readHeights(folder_ / "h.exr", 1, 10);
+    const HeightField field = readHeights(folder_ / "h.exr", 1, 10, notes_);
     EXPECT_EQ(field.at(0, 0), 35);
     EXPECT_EQ(field.at(1, 1), 25);
 }
@@ -178,24 +182,85 @@ TEST_F(HeightFile, exrIsReadAsMetres) {
 TEST_F(HeightFile, pngOfEightBitsCounts257Each) {
     base::Image8 image{2, 2, 1, {0, 1, 2, 255}};
     base::writePng(folder_ / "h.png", image);
-    const HeightField field = readHeights(folder_ / "h.png", 1, 1);
+    const HeightField field = readHeights(folder_ / "h.png", 1, 1, notes_);
     EXPECT_EQ(field.at(1, 0), 65535);
     EXPECT_EQ(field.at(1, 1), 257);
+}
+
+TEST_F(HeightFile, marksForWhatWasNotMeasuredAreFilledAndCounted) {
+    // A slanted plane, 64 × 48, with a round hole and a strip along the border: the membrane over them is the plane.
+    const auto plane = [](int x, int y) { return float(300 + 2.5 * x - 1.5 * y); };
+    const auto isHole = [](int x, int y) { return (x - 30) * (x - 30) + (y - 20) * (y - 20) < 100 || (x > 60 && y > 20); };
+    const auto archive = [&](double mark) {
+        std::string bytes = npy<float>("<f4", "(48, 64)");
+        bytes.resize(bytes.size() - 6 * sizeof(float));
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 64; ++x) bytes += little(isHole(x, y) ? float(mark) : plane(x, y));
+        return zipped(bytes);
+    };
+    for (const double mark : {-9999.0, -32768.0, 3.4e38, -3.4e38, double(NAN), double(INFINITY), -99999.0}) {
+        SCOPED_TRACE(mark);
+        notes_ = {};
+        const HeightField field = readHeights(write("holes.npz", archive(mark)), 1, 1, notes_);
+        size_t holes = 0;
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 64; ++x) {
+                holes += isHole(x, y);
+                // The border has no slope, so the strip there may differ by what the plane rises across it.
+                ASSERT_NEAR(field.at(x, 47 - y), plane(x, y), isHole(x, y) ? (x > 60 ? 10 : 1) : 0) << x << ", " << y;
+            }
+        ASSERT_EQ(notes_.entries().size(), 1u);
+        EXPECT_EQ(notes_.entries()[0].count, holes);
+    }
+    // Depths of the sea about -9,999 m are heights: others lie next to them.
+    std::string sea = npy<int16_t>("<i2");
+    sea.resize(sea.size() - 6 * sizeof(int16_t));
+    for (const int z : {-9990, -9998, -9999, -10001, -10010, -10030}) sea += little(int16_t(z));
+    notes_ = {};
+    EXPECT_EQ(readHeights(write("sea.npz", zipped(sea)), 1, 1, notes_).at(2, 1), -9999);
+    EXPECT_TRUE(notes_.entries().empty());
+    std::string nothing = npy<int16_t>("<i2");
+    nothing.resize(nothing.size() - 6 * sizeof(int16_t));
+    for (int i = 0; i < 6; ++i) nothing += little(int16_t(-32768));
+    EXPECT_THROW(readHeights(write("nothing.npz", zipped(nothing)), 1, 1, notes_), base::UsageError);
+}
+
+TEST_F(HeightFile, coloursAreRefusedAndTransparentSamplesAreHoles) {
+    base::writePng(folder_ / "rgb.png", {2, 2, 3, {1, 134, 160, 1, 134, 161, 1, 134, 162, 1, 134, 163}});
+    base::writePng(folder_ / "grey3.png", {2, 2, 3, {1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4}});
+    base::writePng(folder_ / "UP.PNG", {2, 2, 1, {1, 2, 3, 4}});
+    base::writePng(folder_ / "alpha.png", {2, 2, 2, {5, 255, 5, 255, 200, 0, 5, 255}});
+    base::writeExr(folder_ / "rgb.exr", {2, 2, 3, {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3}});
+    base::writeExr(folder_ / "rg.exr", {2, 2, 2, {1, 2, 1, 2, 1, 2, 1, 2}});
+    for (const char* name : {"rgb.png", "rgb.exr", "rg.exr"})
+        EXPECT_THROW(readHeights(folder_ / name, 1, 1, notes_), base::UsageError) << name;
+    EXPECT_EQ(readHeights(folder_ / "grey3.png", 1, 1, notes_).at(1, 0), 4 * 257);
+    EXPECT_EQ(readHeights(folder_ / "UP.PNG", 1, 1, notes_).at(1, 0), 4 * 257);
+    EXPECT_TRUE(notes_.entries().empty());
+    EXPECT_EQ(readHeights(folder_ / "alpha.png", 1, 1, notes_).at(0, 0), 5 * 257);
+    EXPECT_EQ(notes_.entries().size(), 1u);
+}
+
+TEST_F(HeightFile, pipesAreRefused) {
+    for (const char* name : {"pipe.png", "pipe.exr", "pipe.npz"}) {
+        ASSERT_EQ(::mkfifo((folder_ / name).c_str(), 0600), 0);
+        EXPECT_THROW(readHeights(folder_ / name, 1, 1, notes_), base::UsageError) << name;
+    }
 }
 
 TEST_F(HeightFile, damagedFilesAreNamed) {
     const std::string good = zipped(npy<int16_t>("<i2"));
     for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"cut.npz", good.substr(0, good.size() - 4)}, {"empty.npz", ""}, {"text.npz", "hello"},
-                                      {"flat.npz", zipped(npy<int16_t>("<i2", "(6,)"))}, {"big.npz", zipped(npy<int16_t>("<i2", "(2000, 3000)"))},
+                                      {"flat.npz", zipped(npy<int16_t>("<i2", "(6,)"))}, {"big.npz", zipped(npy<int16_t>("<i2", "(2000, 3000)"))}, {"huge.npz", zipped(npy<int16_t>("<i2", "(2000000000, 2000000000)"))},
                                       {"complex.npz", zipped(npy<int16_t>("<c8"))}, {"text.png", "hello"}, {"empty.exr", ""}, {"h.jpg", "x"}}) {
         try {
-            readHeights(write(name, bytes), 1, 1);
+            readHeights(write(name, bytes), 1, 1, notes_);
             ADD_FAILURE() << name;
         } catch (const base::UsageError& e) {
             EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
         }
     }
-    EXPECT_THROW(readHeights(folder_ / "none.npz", 1, 1), base::UsageError);
+    EXPECT_THROW(readHeights(folder_ / "none.npz", 1, 1, notes_), base::UsageError);
 }
 
 class TerrainRecipe : public HeightFile {
@@ -246,6 +311,13 @@ TEST_F(TerrainRecipe, treesKeepToTheirAltitudeSlopeAndOutOfClearings) {
         EXPECT_LE(full.slope(i.translation.x, i.translation.y), std::tan(glm::radians(25.0)) + 1e-9);
     }
     EXPECT_EQ(trees, 300u);
+}
+
+TEST_F(TerrainRecipe, whatIsCroppedIsSaid) {
+    base::writeExr(folder_ / "h.exr", {20, 17, 1, std::vector<float>(20 * 17, 5)});
+    const char* recipe = "description = \"x\"\n[terrain]\nfile = \"h.exr\"\ntiles = 2\n"
+                         "[[view]]\nname = \"v\"\neye = [0, 0, 80]\ntarget = [1, 0, 0]\n";
+    EXPECT_THAT(scene(recipe).notes, testing::ElementsAre(testing::HasSubstr("3 columns and 0 rows")));
 }
 
 TEST_F(TerrainRecipe, farTilesAreCoarserAndAllAreClosed) {
