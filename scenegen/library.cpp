@@ -27,8 +27,8 @@ Scene readFile(const std::string& name, const fs::path& file, const std::vector<
         case FileKind::recipe: return readRecipe(file, settings);
         case FileKind::footprints: return readFootprintScene(file, settings);
         case FileKind::sidecar:
-            throw base::UsageError(file.string() + ": says how to read a scene file of the same name, and is no scene itself; "
-                                                   "open that file");
+            throw base::UsageError(file.string() + ": says how to read a scene file of the same name, and is no scene "
+                                                   "itself; open that file");
         case FileKind::scene: break;
     }
     refuseSettings(name, settings);
@@ -66,7 +66,6 @@ Scene loadScene(const std::string& nameOrFile, const std::vector<std::string>& s
     } else {
         scene = read(given);
     }
-    for (const std::string& note : scene.notes) base::logWarning(fmt::format("{}: {}", scene.source, note));
     dropBadInstances(scene);
     validate(scene);
     return scene;

@@ -3,6 +3,7 @@
 #include "base/config.h"
 #include "base/detmath.h"
 #include "base/error.h"
+#include "base/log.h"
 #include "base/random.h"
 #include "scenegen/city/city.h"
 #include "scenegen/city/courtyard.h"
@@ -341,6 +342,7 @@ Scene readTable(base::ConfigTable table, const std::filesystem::path& path, cons
     try {
         Scene scene = RecipeReader(table, path.stem().string()).read();
         scene.source = path.string();
+        for (const std::string& note : scene.notes) base::logWarning(fmt::format("{}: {}", scene.source, note));
         return scene;
     } catch (const std::bad_alloc&) {
         throw base::UsageError(path.string() + ": there is no memory for a scene of these counts and this scale; ask for less");

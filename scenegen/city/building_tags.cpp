@@ -32,7 +32,8 @@ bool dropPrefix(std::string_view& text, std::string_view prefix) {
 
 void dropBlanks(std::string_view& text) {
     constexpr std::string_view kBlanks[] = {" ", "\t", "\n", "\r", "\u00a0"};
-    while (std::any_of(std::begin(kBlanks), std::end(kBlanks), [&](std::string_view b) { return dropPrefix(text, b); })) {}
+    const auto drop = [&](std::string_view blank) { return dropPrefix(text, blank); };
+    while (std::any_of(std::begin(kBlanks), std::end(kBlanks), drop)) {}
 }
 
 /// The number that the text begins with, with a decimal point or comma; it is taken off the text.
@@ -74,9 +75,10 @@ double firstOf(const Json& properties, std::initializer_list<const char*> keys, 
         std::optional<double> value;
         if (at->is_number()) value = at->get<double>();
         if (at->is_string()) {
-            value = parseLength(at->get_ref<const std::string&>());
+            const std::string& text = at->get_ref<const std::string&>();
+            value = parseLength(text);
             // A number of storeys has no unit.
-            const bool hasUnit = at->get_ref<const std::string&>().find_first_not_of(" +~0123456789.,") != std::string::npos;
+            const bool hasUnit = text.find_first_not_of(" +~0123456789.,") != std::string::npos;
             if (!isLength && hasUnit) value.reset();
         }
         const double highest = isLength ? kHighest : kHighest / kStorey;
@@ -137,7 +139,8 @@ BuildingTags readBuildingTags(const Json& properties, Notes& notes) {
     if (!tags.stands) return tags;
     for (const char* key : {"roof:shape", "roof_shape"})
         if (has(properties, key) && !says(properties, key, "flat"))
-            notes.add(fmt::format("roofs are flat, at the building's full height, whatever {} says", key), properties[key].dump());
+            notes.add(fmt::format("roofs are flat, at the building's full height, whatever {} says", key),
+                      properties[key].dump());
 
     tags.base = firstOf(properties, {"min_height", "render_min_height", "building:min_height"}, true, notes);
     if (tags.base == 0)

@@ -6,8 +6,8 @@ namespace dapple::scenegen::city {
 
 /// A polygon of a file as bodies can be built on it, plan metres.
 struct Tidied {
-    /// Each an outline, counter-clockwise, and its holes, clockwise. Rings do not cross, but may touch themselves: where
-    /// an outline and a hole touch at a point they are one ring that comes there twice.
+    /// Each an outline, counter-clockwise, and its holes, clockwise. Rings do not cross, but may touch themselves:
+    /// where an outline and a hole touch at a point they are one ring that comes there twice.
     std::vector<std::vector<Ring>> polygons;
     size_t smallParts = 0;   ///< outlines of less than a square metre, left out
     size_t smallHoles = 0;   ///< holes of less than a square metre, filled

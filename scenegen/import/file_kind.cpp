@@ -29,8 +29,8 @@ std::string lowerExtension(const fs::path& file) {
 std::optional<FileKind> kindOfToml(const fs::path& file) {
     static const std::set<std::string> ofSidecars{"up", "unit", "textures", "drop", "receivers", "cell", "copy"};
     static const std::set<std::string> ofRecipes{
-        "description", "seed",    "origin", "trees", "spacing",   "scale", "time",      "radius",      "ground",      "terrain",
-        "clearing",    "species", "wind",   "path",  "primitive", "city",  "courtyard", "further_sun", "selfThinning"};
+        "description", "seed",     "origin", "trees", "spacing", "selfThinning", "scale", "time",      "radius", "further_sun",
+        "ground",      "clearing", "terrain", "species", "wind", "primitive",    "city",  "courtyard", "path"};
     const std::vector<std::string> keys = base::ConfigTable::parseFile(file).keys();
     const auto has = [&](const std::set<std::string>& known) {
         return std::any_of(keys.begin(), keys.end(), [&](const std::string& key) { return known.contains(key); });

@@ -11,8 +11,8 @@ enum class FileKind {
     scene,       ///< everything else
 };
 
-/// What a file is. TOML files are told apart by their keys, whatever they are called. Throws UsageError when there is no
-/// such file, naming one of almost this name if there is one, and when it is a pipe or a device.
+/// What a file is. TOML files are told apart by their keys, whatever they are called. Throws UsageError when there is
+/// no such file, naming one of almost this name if there is one, and when it is a pipe or a device.
 FileKind fileKind(const std::filesystem::path& file);
 
 /// Whether NAME.toml beside NAME.ext is its sidecar, and no recipe that happens to have its name.

@@ -108,9 +108,10 @@ base::ImageF greyOf(const base::ImageF& image, const fs::path& file) {
     base::ImageF grey{image.width, image.height, 1, std::vector<float>(image.texels.size() / channels)};
     for (size_t i = 0; i < grey.texels.size(); ++i) {
         const float* texel = &image.texels[i * channels];
-        if (channels > 2 && (texel[0] != texel[1] || texel[0] != texel[2]) && !(std::isnan(texel[0]) && std::isnan(texel[1])))
-            throw base::UsageError(file.string() + ": is coloured, and heights coded as colours are not read; convert it to "
-                                                   "one channel of heights");
+        const bool isHole = std::isnan(texel[0]);
+        if (channels > 2 && !isHole && (texel[0] != texel[1] || texel[0] != texel[2]))
+            throw base::UsageError(file.string() + ": is coloured, and heights coded as colours are not read; convert it "
+                                                   "to one channel of heights");
         grey.texels[i] = hasAlpha && texel[channels - 1] == 0 ? NAN : texel[0];
     }
     return grey;

@@ -55,7 +55,9 @@ void relax(Level& level) {
 std::vector<bool> holesOf(const base::ImageF& heights) {
     constexpr double kMarks[] = {-9999, -32768, -32767, -99999, -999999};
     std::vector<bool> isHeight(std::size(kMarks));
-    const auto isMark = [&](double v) { return std::find(std::begin(kMarks), std::end(kMarks), v) != std::end(kMarks); };
+    const auto isMark = [&](double v) {
+        return std::find(std::begin(kMarks), std::end(kMarks), v) != std::end(kMarks);
+    };
     for (const float v : heights.texels)
         for (size_t m = 0; m < std::size(kMarks); ++m)
             if (std::abs(double(v) - kMarks[m]) <= -0.01 * kMarks[m] && !isMark(double(v))) isHeight[m] = true;

@@ -4,8 +4,8 @@
 
 namespace dapple::scenegen {
 
-/// Samples of a height map (one channel) that were not measured: NaN, infinite, beyond 1e20 (as 3.4e38 is), or at one of
-/// the marks -9999, -32768, -32767, -99999, -999999. A mark within a hundredth of which other samples lie is a height.
+/// Samples of a height map (one channel) that were not measured: NaN, infinite, beyond 1e20 (as 3.4e38 is), or at one
+/// of the marks -9999, -32768, -32767, -99999, -999999. A mark within a hundredth of which other samples lie is a height.
 std::vector<bool> holesOf(const base::ImageF& heights);
 
 /// Fills holes smoothly from their surroundings: the membrane spanned by the samples around them (Laplace's equation,

@@ -42,7 +42,8 @@ HeightField grow(base::ConfigTable& t, int tiles, uint64_t seed, double area) {
     requireMemory(t, "cells", fmt::format("{0} × {0} cells of terrain", cells), all, kBytesPerCell);
     const double droplets = double(t.integer("droplets", 0, 0, kMostDroplets)) * area;
     if (droplets > kMostDroplets)
-        t.fail("droplets", fmt::format("{:.0f} droplets, times scale, are too many: at most {} fall", droplets, kMostDroplets));
+        t.fail("droplets", fmt::format("{:.0f} droplets, times scale, are too many: at most {} fall", droplets,
+                                       kMostDroplets));
     HeightField field{cells + 1, cells + 1, size / cells, std::vector<float>(size_t(cells + 1) * size_t(cells + 1))};
     addFbm(field, fbm);
     field.stretch(relief);
@@ -76,8 +77,9 @@ Terrain readTerrain(base::ConfigTable& t, uint64_t seed, double area) {
     terrain.field = cropped(field, terrain.tiles);
     const int columns = field.columns - terrain.field.columns, rows = field.rows - terrain.field.rows;
     if (!file.empty() && columns + rows > 0)
-        terrain.notes.add(fmt::format("{} columns and {} rows at the border are left out, so that each of {} × {} tiles has a "
-                                      "multiple of {} cells a side", columns, rows, terrain.tiles, terrain.tiles, kCoarsest),
+        terrain.notes.add(fmt::format("{} columns and {} rows at the border are left out, so that each of {} × {} tiles "
+                                      "has a multiple of {} cells a side",
+                                      columns, rows, terrain.tiles, terrain.tiles, kCoarsest),
                           file.filename().string());
     return terrain;
 }
