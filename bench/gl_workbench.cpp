@@ -101,6 +101,12 @@ const measure::TimerReport& GlWorkbench::report() {
     return *report_;
 }
 
+std::string GlWorkbench::timerRejected() {
+    for (const measure::BackendVerdict& verdict : report().verdicts)
+        if (verdict.backend == backend() && !verdict.accepted) return verdict.reason;
+    return {};
+}
+
 shadow::Limits GlWorkbench::limits() const { return {identity_.maxTextureSize, identity_.maxArrayLayers}; }
 
 std::shared_ptr<LoadedScene> GlWorkbench::load(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) {

@@ -59,6 +59,7 @@ public:
     GlWorkbench(int device, const std::string& backend);
 
     std::string backend() const override { return std::string(timer_->backend()); }
+    std::string timerRejected() override;
     shadow::Limits limits() const override;
     SceneFacts sceneFacts(const std::string& scene, const std::vector<std::string>& settings, const std::string& stressCase) override;
     std::unique_ptr<OpenPoint> open(const PointSpec& spec) override;

@@ -22,12 +22,15 @@ struct Values {
     std::string n, median, ciLo, ciHi, q1, q3, min, max, status, flags;
 };
 
+std::string joined(const std::string& flags, std::string_view flag) { return flags + (flags.empty() ? "" : ";") + std::string(flag); }
+
 class PointRows {
 public:
     PointRows(const PlannedPoint& point, const RowContext& context) : point_(point), context_(context) {}
 
-    void add(const std::string& pass, std::string_view metric, const std::string& unit, const std::string& better, const Values& v) {
+    void add(const std::string& pass, std::string_view metric, const std::string& unit, const std::string& better, Values v) {
         const PointSpec& s = point_.spec;
+        if (context_.timerRejected && (v.status == "ok" || v.status == "invalid")) v.flags = joined(v.flags, measure::flag::kTimerRejected);
         text += csvRow(std::array<std::string, 21>{kSchema, context_.runId, point_.id, s.scene, s.technique, s.view, pass, std::string(metric), unit,
                                                    better, v.n, v.median, v.ciLo, v.ciHi, v.q1, v.q3, v.min, v.max, context_.backend,
                                                    v.status, v.flags});
@@ -49,7 +52,7 @@ public:
                 v.max = csvNumber(f.spread->max);
             }
         } else if (f.value) {
-            v.flags += (v.flags.empty() ? "" : ";") + std::string(measure::flag::kNonfinite);
+            v.flags = joined(v.flags, measure::flag::kNonfinite);
         }
         const bool invalid = std::any_of(measure::kFlags.begin(), measure::kFlags.end(), [&](const measure::FlagInfo& info) {
             return info.invalidatesSample && (";" + v.flags + ";").find(";" + std::string(info.name) + ";") != std::string::npos;
@@ -111,10 +114,12 @@ std::string sampleRows(const PlannedPoint& point, size_t armIndex, const measure
     std::string text;
     for (const measure::Sample& s : arm.samples) {
         const bool whole = s.pass < 0;
+        const std::string flags = measure::joinFlags(s.flags);
         text += csvRow(std::array<std::string, 11>{
             context.runId, point.id, fmt::format("{}", context.process), fmt::format("{}", s.block), fmt::format("{}", s.order),
             fmt::format("{}", armIndex), fmt::format("{}", s.frame), whole ? "" : arm.passes.at(static_cast<size_t>(s.pass)).name,
-            std::string(whole ? measure::metric::kFrameTime : measure::metric::kPassTime), s.ms ? csvNumber(*s.ms) : "", measure::joinFlags(s.flags)});
+            std::string(whole ? measure::metric::kFrameTime : measure::metric::kPassTime), s.ms ? csvNumber(*s.ms) : "",
+            context.timerRejected ? joined(flags, measure::flag::kTimerRejected) : flags});
     }
     return text;
 }

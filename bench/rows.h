@@ -37,6 +37,7 @@ struct PointFindings {
 struct RowContext {
     std::string runId, backend;
     int process = 0;
+    bool timerRejected = false;  ///< every row that holds a value says so
 };
 
 /// Text of one comparison's rows. All vectors are parallel to comparison.points; `arms` holds nothing

@@ -39,6 +39,11 @@ public:
             base::logInfo(fmt::format("{}: the run is complete; nothing to resume", options_.folder));
             return outcome();
         }
+        if (const std::string why = workbench_.timerRejected(); !why.empty()) {
+            rejected_ = true;
+            base::logWarning(fmt::format("timer {} failed its self-test ({}): its times may be wrong by any factor; every row is flagged {}", workbench_.backend(), why,
+                                         measure::flag::kTimerRejected));
+        }
         base::writeFile(std::filesystem::path(options_.folder) / "plan.csv", plan_.csv());
         for (size_t i = 0; i < comparisons_.size(); ++i) {
             if (!folder_.done(i)) measure(i);
@@ -85,7 +90,7 @@ private:
             findings[i].fallback = open[i]->fallback();
         });
 
-        const RowContext context{folder_.runId(), workbench_.backend(), folder_.process()};
+        const RowContext context{folder_.runId(), workbench_.backend(), folder_.process(), rejected_};
         const ComparisonRows rows = comparisonRows(plan_, comparison, findings, arms, context);
         folder_.append(index, rows.metrics, rows.samples);
         for (size_t i = 0; i < count; ++i)
@@ -186,6 +191,7 @@ private:
     base::Progress progress_;
     std::vector<std::string> labels_;  ///< of the planned points: what tells one from another, for the line of progress
     size_t pointCount_ = 0, finishedPoints_ = 0;
+    bool rejected_ = false;  ///< the timer, by its self-test
 };
 
 }  // namespace

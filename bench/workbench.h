@@ -65,6 +65,8 @@ class Workbench {
 public:
     virtual ~Workbench() = default;
     virtual std::string backend() const = 0;  ///< gpu_timestamp, gpu_elapsed, cpu_finish or fake
+    /// Why the self-test rejected that timer, which only --backend can force; empty where it may be trusted.
+    virtual std::string timerRejected() { return {}; }
     virtual shadow::Limits limits() const = 0;
     virtual SceneFacts sceneFacts(const std::string& scene, const std::vector<std::string>& settings,
                                   const std::string& stressCase) = 0;

@@ -19,11 +19,11 @@ void main() {
 #ifndef SKIP_TEST
     if (!inVolume(vCaster, p)) discard;
 #endif
+    vec3 normal = geometricNormal(pixel);
+    if (dot(normal, uLight) >= 0.0) discard;  // dark already: it asks no map
 #ifdef COUNT_CANDIDATES
     oCount = 1.0;
 #else
-    vec3 normal = geometricNormal(pixel);
-    if (dot(normal, uLight) >= 0.0) discard;  // dark already
     float lit = lookUp(vCaster, p, normal);
     if (lit >= 1.0) discard;
 #ifdef TRANSLUCENT

@@ -59,8 +59,8 @@ constexpr std::array kMetrics{
     MetricInfo{"overdraw_5-8", "pixels", none, true, "pixels with 5 to 8 fragments"},
     MetricInfo{"overdraw_9-16", "pixels", none, true, "pixels with 9 to 16 fragments"},
     MetricInfo{"overdraw_>16", "pixels", none, true, "pixels with more than 16 fragments"},
-    MetricInfo{"candidates", "pixels", lower, true, "pixels whose receiver lies in at least one caster's shadow volume"},
-    MetricInfo{"candidates_mean", "look-ups/pixel", lower, true, "casters' shadow volumes that hold a pixel's receiver: the least that volumes can shade"},
+    MetricInfo{"candidates", "pixels", lower, true, "pixels that face the sun in at least one caster's shadow volume"},
+    MetricInfo{"candidates_mean", "look-ups/pixel", lower, true, "casters' shadow volumes that hold a pixel's receiver, 0 where it faces away from the sun: the maps that it must ask"},
     // image error against the ray-traced reference, shares of the valid pixels
     MetricInfo{"error", "", lower, true, "false_shadow + false_light"},
     MetricInfo{"false_shadow", "", lower, true, "dark where the reference is lit"},

@@ -21,6 +21,7 @@ inline constexpr std::string_view kGlError = "gl_error";
 inline constexpr std::string_view kTimerGtWall = "timer_gt_wall";
 inline constexpr std::string_view kPassesGtFrame = "passes_gt_frame";
 inline constexpr std::string_view kMixed = "mixed";
+inline constexpr std::string_view kTimerRejected = "timer_rejected";
 inline constexpr std::string_view kOutlier = "outlier";
 inline constexpr std::string_view kFarOutlier = "far_outlier";
 }  // namespace flag
@@ -43,6 +44,7 @@ inline constexpr std::array kFlags{
     FlagInfo{flag::kTimerGtWall, false, "the timer reports more time than passed on the wall clock"},
     FlagInfo{flag::kPassesGtFrame, false, "the passes, timed one by one, sum to more than the whole frame"},
     FlagInfo{flag::kMixed, false, "the run was resumed with another program or on another machine (--mix)"},
+    FlagInfo{flag::kTimerRejected, false, "the self-test rejected the timer that --backend forced: its times may be wrong by any factor"},
     FlagInfo{flag::kOutlier, false, "beyond 1.5 interquartile ranges from the quartiles (Tukey 1977)"},
     FlagInfo{flag::kFarOutlier, false, "beyond 3 interquartile ranges from the quartiles (Tukey 1977)"},
 };

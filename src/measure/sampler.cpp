@@ -173,7 +173,7 @@ private:
         arm.halfWidths.emplace_back();
         if (medians.size() >= kMinBlocksForInterval)
             arm.halfWidths.back() =
-                relativeHalfWidth(bootstrapMedian(medians, base::mix64(plan_.seed ^ index)), median(medians));
+                relativeHalfWidth(intervalOfMedian(medians, base::mix64(plan_.seed ^ index)), median(medians));
         report(SamplingProgress::Phase::blocks, index);
     }
 

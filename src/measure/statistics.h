@@ -33,6 +33,16 @@ struct Interval {
 Interval bootstrapMedian(std::span<const double> blockValues, uint64_t seed, double confidence = 0.95,
                          int resamples = 2000);
 
+/// Lag-1 autocorrelation of values in the order of time, of their ranks so that single spikes do not hide it; raised by the
+/// (1 + 4 ρ) / n by which the estimate of few values is too low (Marriott & Pope 1954); 0 … 0.9.
+double autocorrelation(std::span<const double> valuesInTime);
+
+/// 95 % interval of the median of blocks in the order of time: bootstrapMedian(), widened about the median by √((1 + ρ) / (1 − ρ)), as if
+/// only the effective number of independent blocks, at least 5, had been seen, and by Student's t for so few (Bayley & Hammersley
+/// 1946). Not below 0 where no value is. Of blocks whose noise is AR(1), by simulation of 5 to 40 blocks (statistics_test), 96 to 98 % of the
+/// intervals hold the median at ρ = 0, 91 to 95 % at ρ = 0.5 and 86 to 94 % at ρ = 0.7.
+Interval intervalOfMedian(std::span<const double> valuesInTime, uint64_t seed);
+
 /// With fewer blocks than this even the interval [min, max] misses the median more often than one time in
 /// ten (2 · 2^-n), so that no interval is given.
 inline constexpr size_t kMinBlocksForInterval = 5;
@@ -54,7 +64,7 @@ struct Ratio {
     Interval ci;       ///< 95 %, exponentiated
     size_t n = 0;      ///< log-ratios it stands on
 };
-/// Nothing when there are fewer than kMinBlocksForInterval log-ratios.
+/// Nothing when there are fewer than kMinBlocksForInterval log-ratios, which are in the order of time.
 std::optional<Ratio> ratioOf(std::span<const double> logRatios, uint64_t seed);
 
 /// One-sided Mann-Kendall test for a rising trend: the standard normal score of Kendall's S with continuity
@@ -66,10 +76,10 @@ struct Summary {
     size_t n = 0;       ///< valid samples; all other fields are meaningless when 0
     size_t blocks = 0;  ///< blocks with at least one valid sample
     double median = 0;  ///< median of the blocks' medians
-    std::optional<Interval> ci;  ///< 95 % of that median; missing under kMinBlocksForInterval blocks
+    std::optional<Interval> ci;  ///< of that median: intervalOfMedian(); missing under kMinBlocksForInterval blocks
     double q1 = 0, q3 = 0, min = 0, max = 0;  ///< over samples
 };
-/// `blocks`: the valid samples of each block; a block may be empty.
+/// `blocks`: the valid samples of each block, in the order of time; a block may be empty.
 Summary summarise(std::span<const std::vector<double>> blocks, uint64_t seed);
 
 }  // namespace dapple::measure

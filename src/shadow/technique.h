@@ -69,7 +69,7 @@ public:
     /// Draws the additive fragment count of the technique's own screen-space work into frame.overdrawTarget().
     /// False: it has none, and the overdraw of the geometry is what there is to see.
     virtual bool countOverdraw() { return false; }
-    /// Draws, over the frame last rendered, how many of the casters' volumes hold each pixel's receiver into
+    /// Draws, over the frame last rendered, how many of the casters' volumes hold each pixel's receiver, if it faces the sun, into
     /// frame.overdrawTarget(): what is counted are the candidate pixels of Buntin & Stamminger 2007, fig. 4, before any
     /// look-up. False: this technique, with these settings, finds no candidates.
     virtual bool countCandidates() { return false; }

@@ -23,9 +23,11 @@ public:
     std::function<void(const PointSpec&)> onFrame = [](const PointSpec&) {};
     std::vector<std::string> opened, released;
     uint64_t contentSalt = 0;
+    std::string rejected;  ///< why the timer is not to be trusted
     shadow::Limits limitsOfGl;
 
     std::string backend() const override { return fake_->backend(); }
+    std::string timerRejected() override { return rejected; }
     shadow::Limits limits() const override { return limitsOfGl; }
     SceneFacts sceneFacts(const std::string& scene, const std::vector<std::string>& settings, const std::string& stress) override {
         static const std::vector<std::string> kScenes{"a", "b", "c"};

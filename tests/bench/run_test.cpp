@@ -39,6 +39,32 @@ TEST(Run, WritesExactlyTheSchemasColumnsAndFiles) {
         EXPECT_TRUE(json.contains(key)) << key;
 }
 
+TEST(Run, ATimerThatItsSelfTestRejectedIsNamedOnEveryRowAndOnce) {
+    const auto flagged = [](const std::string& rejected) {
+        SmallRun run;
+        run.bench.rejected = rejected;
+        testing::internal::CaptureStderr();
+        run.go();
+        const std::string said = testing::internal::GetCapturedStderr();
+        EXPECT_EQ(said.find("failed its self-test (it sees a tenth of the wall)") != std::string::npos, !rejected.empty()) << said;
+        size_t values = 0, withFlag = 0;
+        for (const char* name : {"metrics.csv", "samples.csv"}) {
+            const CsvTable table = run.table(name);
+            for (size_t i = 0; i < table.rows(); ++i) {
+                const bool has = (";" + table.at(i, "flags") + ";").find(";timer_rejected;") != std::string::npos;
+                const bool value = std::string(name) == "samples.csv" || table.at(i, "status") == "ok";
+                values += value;
+                withFlag += has;
+                EXPECT_EQ(has, value && !rejected.empty()) << name << " " << i;
+            }
+        }
+        EXPECT_GT(values, 100u);
+        return withFlag;
+    };
+    EXPECT_GT(flagged("it sees a tenth of the wall"), 100u);
+    EXPECT_EQ(flagged(""), 0u);
+}
+
 TEST(Run, EveryPointHasItsRowsAndKeysAreUnique) {
     SmallRun run;
     run.go();
