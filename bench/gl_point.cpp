@@ -35,6 +35,7 @@ private:
 class CountedPasses final : public frame::PassObserver {
 public:
     void beginPass(const frame::Pass& pass) override { counters_.begin(pass.name, pass.asksOcclusion); }
+    measure::Counters* counters() override { return &counters_; }
     void endPass(const frame::Pass&, const measure::Ledger& ledger) override {
         counters_.end();
         ledgers.push_back(ledger);
@@ -215,7 +216,8 @@ private:
         figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
         appendCasters(figures);
-        if (renderer_.hasVisibility()) appendOverdraw(figures);
+        if (renderer_.hasVisibility()) appendOverdraw(figures, "geometry", renderer_.geometryOverdraw());
+        if (const auto volumes = renderer_.volumeOverdraw()) appendOverdraw(figures, "volume", *volumes);
         if (const auto volumes = renderer_.candidates()) {
             const std::vector<float>& n = volumes->texels;
             figures.push_back(figure("", "candidates", double(std::count_if(n.begin(), n.end(), [](float v) { return v > 0; }))));
@@ -282,6 +284,10 @@ private:
         figures.push_back(figure(pass, "draw_calls", double(ledger.drawCalls)));
         figures.push_back(figure(pass, "triangles_submitted", double(ledger.trianglesSubmitted)));
         figures.push_back(figure(pass, "texels_written", double(ledger.texelsWritten)));
+        if (ledger.texelsWritten == 0) return;
+        figures.push_back(figure(pass, "map_fragments", double(ledger.mapFragments)));
+        figures.push_back(figure(pass, "map_texels_filled", double(ledger.mapTexelsFilled)));
+        if (ledger.mapTexelsFilled > 0) figures.push_back(figure(pass, "map_overdraw", double(ledger.mapFragments) / double(ledger.mapTexelsFilled)));
     }
 
     void appendCasters(std::vector<Figure>& figures) {
@@ -317,12 +323,13 @@ private:
         }
     }
 
-    void appendOverdraw(std::vector<Figure>& figures) {
-        const measure::OverdrawHistogram histogram = measure::overdrawHistogram(renderer_.overdraw().texels);
-        figures.push_back(figure("", "overdraw_mean", histogram.mean));
-        figures.push_back(figure("", "overdraw_max", double(histogram.max)));
+    /// `of`: geometry or volume.
+    static void appendOverdraw(std::vector<Figure>& figures, const std::string& of, const base::ImageF& counts) {
+        const measure::OverdrawHistogram histogram = measure::overdrawHistogram(counts.texels);
+        figures.push_back(figure("", of + "_overdraw_mean", histogram.mean));
+        figures.push_back(figure("", of + "_overdraw_max", double(histogram.max)));
         for (size_t i = 0; i < measure::kOverdrawBins; ++i)
-            figures.push_back(figure("", "overdraw_" + std::string(measure::kOverdrawBinNames[i]), double(histogram.pixels[i])));
+            figures.push_back(figure("", of + "_overdraw_" + std::string(measure::kOverdrawBinNames[i]), double(histogram.pixels[i])));
     }
 
     std::shared_ptr<SharedFrame> shared_;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr float kAmbiguous = -2, kExcluded = -3;  // of the .exr of reference and error
 
-const std::array<PictureKind, 11> kKinds{{
+const std::array<PictureKind, 12> kKinds{{
     {"shaded", "the lit picture", "linear R, G, B of the 8-bit picture, 0 to 1"},
     {"visibility", "the technique's visibility image V", "V: share of the sun's light that arrives, 0 dark to 1 lit"},
     {"reference", "ray-traced truth: lit, shadowed, ambiguous, excluded",
@@ -28,7 +28,8 @@ const std::array<PictureKind, 11> kKinds{{
     {"error", "V against the truth: false shadow red, false light blue",
      "V - G, from -1 to 1 (a V that is no number counts as wholly wrong); -2 ambiguous, -3 excluded (sky, or turned away from the sun). mean_absolute is "
      "the mean of |V - G| over all other pixels; error is the share of them where V and G lie on different sides of 1/2"},
-    {"overdraw", "fragments per pixel", "fragments of the pixel"},
+    {"overdraw", "fragments per pixel of the geometry that the camera sees", "fragments of the pixel"},
+    {"volume-overdraw", "fragments per pixel of shadow volumes", "fragments of the pixel"},
     {"candidates", "pixels inside the casters' shadow volumes: lit green, in shadow red", "casters' shadow volumes that hold the pixel's receiver"},
     {"depth", "distance along the view", "metres along camera.forward; 0 sky"},
     {"normals", "geometric normals of what is in sight", "unit vector x, y, z in world axes, on the viewer's side; 0, 0, 0 sky"},
@@ -119,7 +120,12 @@ void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::str
         picture = frame::paintVisibility(v, w, h);
         values = channel(v, w, h);
     } else if (what == "overdraw") {
-        values = renderer.overdraw();
+        values = renderer.geometryOverdraw();
+        picture = frame::paintOverdraw(values);
+    } else if (what == "volume-overdraw") {
+        const auto volumes = renderer.volumeOverdraw();
+        if (!volumes) throw base::UsageError(fmt::format("technique {} draws no shadow volumes with these settings", spec.technique));
+        values = *volumes;
         picture = frame::paintOverdraw(values);
     } else if (what == "candidates") {
         const auto volumes = renderer.candidates();

@@ -113,7 +113,7 @@ void Frame::drawGeometry(const gpuscene::DrawList& list, const Programs& program
     const auto draw = [&](const gl::Program& program, Bucket bucket, Attributes attributes) {
         if (!program.name()) return;
         program.use();
-        const gpuscene::DrawCount count = scene_->draw(list, bucket, attributes, program.name(), faces);
+        const gpuscene::DrawCount count = scene_->draw(list, bucket, attributes, program.name(), faces, tally.counters != nullptr);
         tally.drawCalls += count.draws;
         tally.trianglesSubmitted += count.triangles;
     };

@@ -31,6 +31,7 @@ void execute(std::span<const Pass> passes, PassObserver& observer) {
         glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, pass.name.c_str());
         gl::resetState();
         measure::Ledger tally;
+        tally.counters = observer.counters();
         observer.beginPass(pass);
         pass.record(tally);
         observer.endPass(pass, tally);

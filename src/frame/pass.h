@@ -27,6 +27,8 @@ public:
     virtual ~PassObserver() = default;
     virtual void beginPass(const Pass&) {}
     virtual void endPass(const Pass&, const measure::Ledger&) {}
+    /// Of an untimed frame that counts, for Ledger::counters; nullptr: the frame is as a timed one.
+    virtual measure::Counters* counters() { return nullptr; }
 };
 
 /// Names of the passes that run, in order.

@@ -205,9 +205,15 @@ void GpuScene::setMaterial(uint32_t index, const Uniforms& uniforms) const {
     }
 }
 
-DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces) const {
+DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces, bool readBack) const {
     DrawCount count;
     if (list.ranges.empty()) return count;
+    std::vector<IndirectCommand> commands;
+    if (list.commands && readBack) {
+        commands.resize(list.commands.bytes() / sizeof(IndirectCommand));
+        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        glGetNamedBufferSubData(list.commands.name(), 0, GLsizeiptr(commands.size() * sizeof(IndirectCommand)), commands.data());
+    }
     for (const auto& arrays : arrays_)
         glVertexArrayVertexBuffer(arrays[int(attributes)].name(), kInstanceBinding, list.buffer.name(), 0, sizeof(InstanceData));
     if (list.commands) glBindBuffer(GL_DRAW_INDIRECT_BUFFER, list.commands.name());
@@ -230,7 +236,7 @@ DrawCount GpuScene::draw(const DrawList& list, Bucket bucket, Attributes attribu
                 glDrawElementsInstancedBaseVertexBaseInstance(GL_TRIANGLES, GLsizei(mesh.indexCount), type, reinterpret_cast<const void*>(mesh.indexOffset),
                                                               GLsizei(range.count), mesh.baseVertex, range.first);
             ++count.draws;
-            count.triangles += size_t(mesh.indexCount / 3) * range.count;
+            count.triangles += commands.empty() ? size_t(mesh.indexCount / 3) * range.count : size_t(commands[own].indices / 3) * commands[own].instances;
         }
     }
     glDisable(GL_CULL_FACE);

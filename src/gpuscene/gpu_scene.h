@@ -51,7 +51,8 @@ public:
     /// Submits the meshes of a bucket, their grid set as uGrid on `program`. Unless `attributes` is position alone, the material is set on `program`
     /// (uAlbedo = colour and specular strength, uTextured, uAlphaCutoff) and its texture bound to units 0 (colour) and 1
     /// (alpha, nearest texel of level 0 as in the reference).
-    DrawCount draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces = Faces::front) const;
+    /// The count of a list that the GPU has filled is what it may hold at most; with `readBack`, which waits, what it holds.
+    DrawCount draw(const DrawList& list, Bucket bucket, Attributes attributes, GLuint program, Faces faces = Faces::front, bool readBack = false) const;
     /// Whether any mesh is in the bucket; whether an opaque one has a texture.
     bool has(Bucket bucket) const { return bucket == Bucket::opaque ? hasOpaque_ : hasAlpha_; }
     bool hasOpaqueTextures() const { return hasOpaqueTextures_; }

@@ -20,4 +20,10 @@ void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list
 void setCasterClip(const glm::dmat4& lightClip, const gl::Program& opaque, const gl::Program& alpha);
 void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally);
 
+/// In a frame that counts: adds the fragments of a list that has been drawn into a map, by drawing it again into the same target with
+/// the same programs. Leaves the map as it is.
+void countMapFragments(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally);
+/// In a frame that counts: adds the texels of a finished map that hold a caster. The map is a square of a layer.
+void countMapTexels(const gl::Texture& map, int layer, int x, int y, int side, measure::Ledger& tally);
+
 }  // namespace dapple::shadow

@@ -119,12 +119,15 @@ std::vector<std::pair<std::string, visibility::Statistics>> Renderer::queryStati
     return result;
 }
 
-base::ImageF Renderer::overdraw() {
-    frame::PassObserver silent;
-    render(silent);  // the depth that the count is tested against
-    if (auto counts = counted(&Technique::countOverdraw)) return *counts;
+base::ImageF Renderer::geometryOverdraw() {
     frame_.countGeometry();
     return frame_.readChannel(frame_.overdraw());
+}
+
+std::optional<base::ImageF> Renderer::volumeOverdraw() {
+    frame::PassObserver silent;
+    render(silent);  // the depth that the count is tested against
+    return counted(&Technique::countOverdraw);
 }
 
 std::optional<base::ImageF> Renderer::candidates() {

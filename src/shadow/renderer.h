@@ -35,8 +35,10 @@ public:
     size_t suns() const { return techniques_.size(); }
     /// Technique::redrawCasters() of the first sun's.
     bool redrawCasters(size_t matrix, const gpuscene::Submit& submit) { return techniques_[0] && techniques_[0]->redrawCasters(matrix, submit); }
-    /// Fragments per pixel of the technique's own screen-space work, or of the geometry where it has none.
-    base::ImageF overdraw();
+    /// Fragments per pixel of the geometry that the camera sees.
+    base::ImageF geometryOverdraw();
+    /// Fragments per pixel of the technique's shadow volumes; empty where it draws none.
+    std::optional<base::ImageF> volumeOverdraw();
     /// Casters' volumes that hold each pixel's receiver; empty where the technique finds no candidate pixels.
     std::optional<base::ImageF> candidates();
     /// As Technique::queryStatistics(), with the camera's.

@@ -1,11 +1,14 @@
 #include "shadow/technique.h"
 
+#include "measure/counters/pipeline.h"
 #include "shadow/families.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 namespace dapple::shadow {
 
@@ -39,12 +42,33 @@ void drawCasters(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list
     const auto draw = [&](const gl::Program& program, gpuscene::Bucket bucket, gpuscene::Attributes attributes) {
         if (!program.name()) return;
         program.use();
-        const gpuscene::DrawCount count = scene.draw(list, bucket, attributes, program.name());
+        const gpuscene::DrawCount count = scene.draw(list, bucket, attributes, program.name(), gpuscene::Faces::front, tally.counters != nullptr);
         tally.drawCalls += count.draws;
         tally.trianglesSubmitted += count.triangles;
     };
     draw(opaque, gpuscene::Bucket::opaque, gpuscene::Attributes::position);
     draw(alpha, gpuscene::Bucket::alphaTested, gpuscene::Attributes::positionUv);
+}
+
+void countMapFragments(const gpuscene::GpuScene& scene, const gpuscene::DrawList& list, const gl::Program& opaque, const gl::Program& alpha, measure::Ledger& tally) {
+    if (!tally.counters) return;
+    GLint depthFunc = GL_LESS;
+    glGetIntegerv(GL_DEPTH_FUNC, &depthFunc);
+    glDepthFunc(GL_ALWAYS);
+    glDepthMask(GL_FALSE);
+    tally.mapFragments += tally.counters->aside([&] {
+        measure::Ledger ignored;
+        drawCasters(scene, list, opaque, alpha, ignored);
+    });
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GLenum(depthFunc));
+}
+
+void countMapTexels(const gl::Texture& map, int layer, int x, int y, int side, measure::Ledger& tally) {
+    if (!tally.counters) return;
+    std::vector<float> depths(size_t(side) * size_t(side));
+    glGetTextureSubImage(map.name(), 0, x, y, layer, side, side, 1, GL_DEPTH_COMPONENT, GL_FLOAT, GLsizei(depths.size() * sizeof(float)), depths.data());
+    tally.mapTexelsFilled += size_t(std::ranges::count_if(depths, [](float depth) { return depth < 1; }));
 }
 
 std::unique_ptr<Technique> makeTechnique(frame::Frame& frame, const TechniqueInfo& info, const Settings& settings) {

@@ -67,7 +67,7 @@ public:
     /// Where that map's window holds receivers in sight, 1 or 0, rows from the top; empty where nothing asks.
     virtual std::optional<base::ImageF> receiverMask(size_t) const { return std::nullopt; }
     /// Draws the additive fragment count of the technique's own screen-space work into frame.overdrawTarget().
-    /// False: it has none, and the overdraw of the geometry is what there is to see.
+    /// False: it has none.
     virtual bool countOverdraw() { return false; }
     /// Draws, over the frame last rendered, how many of the casters' volumes hold each pixel's receiver, if it faces the sun, into
     /// frame.overdrawTarget(): what is counted are the candidate pixels of Buntin & Stamminger 2007, fig. 4, before any

@@ -196,7 +196,7 @@ TEST(StencilVolumes, OverdrawCountsEachFragmentOfTheVolume) {
     frame::Frame frame(gpu, view, 160, 120);
     const shadow::TechniqueInfo& info = shadow::technique("stencil-volumes");
     shadow::Renderer renderer(frame, info, info.defaults);
-    const base::ImageF fragments = renderer.overdraw();
+    const base::ImageF fragments = renderer.volumeOverdraw().value();
     EXPECT_EQ(fragments.texels[60 * 160 + 80], 2);
     EXPECT_EQ(fragments.texels[60 * 160 + 5], 0);
 }

@@ -70,7 +70,8 @@ TEST(Registry, NamesAreUniqueAndDescribed) {
                                            : info.better == Better::higher ? "higher"
                                                                            : "none");
     }
-    for (auto bin : kOverdrawBinNames) EXPECT_TRUE(names.contains("overdraw_" + std::string(bin))) << bin;
+    for (const char* of : {"geometry_overdraw_", "volume_overdraw_"})
+        for (auto bin : kOverdrawBinNames) EXPECT_TRUE(names.contains(of + std::string(bin))) << bin;
     try {
         metricInfo("fram_time");
         FAIL();

@@ -39,7 +39,8 @@ Counters::Counters() {
 }
 
 Counters::~Counters() {
-    for (Pass& pass : passes_) glDeleteQueries(GLsizei(pass.queries.size()), pass.queries.data());
+    for (Pass& pass : passes_)
+        for (const std::vector<GLuint>& stretch : pass.queries) glDeleteQueries(GLsizei(stretch.size()), stretch.data());
 }
 
 std::string Counters::missing(const Target& target, bool asksOcclusion) {
@@ -48,18 +49,43 @@ std::string Counters::missing(const Target& target, bool asksOcclusion) {
 }
 
 void Counters::begin(std::string_view pass, bool asksOcclusion) {
-    passes_.push_back({std::string(pass), asksOcclusion, std::vector<GLuint>(targets_.size(), 0)});
+    passes_.push_back({std::string(pass), asksOcclusion});
+    open();
+}
+
+void Counters::open() {
+    std::vector<GLuint>& stretch = passes_.back().queries.emplace_back(targets_.size(), 0);
     for (size_t i = 0; i < targets_.size(); ++i) {
-        if (!missing(targets_[i], asksOcclusion).empty()) continue;
+        if (!missing(targets_[i], passes_.back().asksOcclusion).empty()) continue;
         // Not glCreateQueries: Mesa (22.3) refuses it the statistics targets that glBeginQuery takes.
-        glGenQueries(1, &passes_.back().queries[i]);
-        glBeginQuery(targets_[i].target, passes_.back().queries[i]);
+        glGenQueries(1, &stretch[i]);
+        glBeginQuery(targets_[i].target, stretch[i]);
     }
 }
 
-void Counters::end() {
+void Counters::close() {
     for (const Target& t : targets_)
         if (missing(t, passes_.back().asksOcclusion).empty()) glEndQuery(t.target);
+}
+
+void Counters::end() {
+    close();
+    passes_.back().ended = true;
+}
+
+uint64_t Counters::aside(const std::function<void()>& draw) {
+    const bool within = !passes_.empty() && !passes_.back().ended;
+    if (within) close();
+    GLuint query = 0;
+    glGenQueries(1, &query);
+    glBeginQuery(GL_SAMPLES_PASSED, query);
+    draw();
+    glEndQuery(GL_SAMPLES_PASSED);
+    GLuint64 samples = 0;
+    glGetQueryObjectui64v(query, GL_QUERY_RESULT, &samples);
+    glDeleteQueries(1, &query);
+    if (within) open();
+    return samples;
 }
 
 std::vector<PassCounters> Counters::results() {
@@ -68,14 +94,15 @@ std::vector<PassCounters> Counters::results() {
         results.push_back({pass.name, {}});
         for (size_t i = 0; i < targets_.size(); ++i) {
             CounterValue value{targets_[i].metric, {}, missing(targets_[i], pass.asksOcclusion)};
-            if (value.missing.empty()) {
+            for (const std::vector<GLuint>& stretch : pass.queries) {
+                if (!value.missing.empty()) break;
                 GLuint64 count = 0;
-                glGetQueryObjectui64v(pass.queries[i], GL_QUERY_RESULT, &count);
-                value.value = count;
+                glGetQueryObjectui64v(stretch[i], GL_QUERY_RESULT, &count);
+                value.value = value.value.value_or(0) + count;
             }
             results.back().values.push_back(std::move(value));
         }
-        glDeleteQueries(GLsizei(pass.queries.size()), pass.queries.data());
+        for (const std::vector<GLuint>& stretch : pass.queries) glDeleteQueries(GLsizei(stretch.size()), stretch.data());
     }
     passes_.clear();
     return results;

@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -42,6 +43,8 @@ public:
     /// `asksOcclusion`: the pass runs occlusion queries of its own; its samples_passed is missing for that reason.
     void begin(std::string_view pass, bool asksOcclusion = false);
     void end();
+    /// Samples that `draw` passes, which no pass's counts hold. Waits for them. Between begin() and end(), or outside.
+    uint64_t aside(const std::function<void()>& draw);
     /// Waits for all passes since the last call; their counts in the order of begin().
     std::vector<PassCounters> results();
 
@@ -54,8 +57,11 @@ private:
     struct Pass {
         std::string name;
         bool asksOcclusion = false;
-        std::vector<GLuint> queries{};  ///< parallel to targets_; 0 where missing
+        bool ended = false;
+        std::vector<std::vector<GLuint>> queries{};  ///< one set for each stretch between aside()s, parallel to targets_; 0 where missing
     };
+    void open();   ///< a stretch of the last pass
+    void close();
     static std::string missing(const Target& target, bool asksOcclusion);
     std::vector<Target> targets_;
     std::vector<Pass> passes_;

@@ -230,6 +230,9 @@ void CasterMaps::draw(const std::vector<int>& maps, measure::Ledger& tally) {
         tally.texelsWritten += size_t(sides_[size_t(map)]) * size_t(sides_[size_t(map)]);
         rotated_.ranges = {all[size_t(map)]};
         drawCasters(scene_, rotated_, clip(maps_[size_t(map)], heading_), depth_, depthAlpha_, tally);
+        countMapFragments(scene_, rotated_, depth_, depthAlpha_, tally);
+        const MapAtlas::Place& place = atlas_.places()[size_t(map)];
+        countMapTexels(atlas_.texture(), place.page, place.x, place.y, sides_[size_t(map)], tally);
     }
     rotated_.ranges = all;
 }

@@ -327,7 +327,12 @@ private:
             if (masked()) glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(size_t(zPass ? 0 : 20)));
             else glDrawElementsInstanced(GL_TRIANGLES, 72, GL_UNSIGNED_INT, nullptr, GLsizei(count));
             ++tally.drawCalls;
-            tally.trianglesSubmitted += 24 * count;
+            GLuint instances = GLuint(count);
+            if (masked() && tally.counters) {
+                glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+                glGetNamedBufferSubData(commands_.name(), zPass ? 4 : 24, sizeof instances, &instances);
+            }
+            tally.trianglesSubmitted += 24 * instances;
         };
         draw(true, 0, notAboutEye());
         draw(false, notAboutEye(), casters_.size() - notAboutEye());

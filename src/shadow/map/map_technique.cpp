@@ -240,14 +240,16 @@ private:
         const CasterCull reaches = casterCull(c);
         if (is("cull", "none") || is("cull", "frustum")) frame.view.planes.clear();  // the receivers' alone
         if (is("cull", "frustum") || pyramid_ || mask_) reaches.appendPlanes(frame.view.planes);
-        if (mask_) drawReceivers(index, reaches, frame, tally);
         setCasterClip(c.fit.clipFromRelative, depth_, depthAlpha_);
+        if (mask_) drawReceivers(index, reaches, frame, tally);
         const bool stencil = mask_ && is("mask-test", "stencil");
         c.culling->draw(frame, [&](const gpuscene::DrawList& list) {
             if (stencil) glDisable(GL_STENCIL_TEST);  // it is for the queries
             drawCasters(frame_.scene(), list, depth_, depthAlpha_, tally);
+            countMapFragments(frame_.scene(), list, depth_, depthAlpha_, tally);
             if (stencil) glEnable(GL_STENCIL_TEST);
         });
+        countMapTexels(map_, index, 0, 0, size_, tally);
     }
 
     /// Of those in sight. The queries for all other casters then count only where the mask that they make is set.
@@ -262,6 +264,7 @@ private:
         items_.collect(frame.view.eye, casting, c.receivers);
         items_.collect(frame.view.eye, others, c.others);
         mask_->build(index, c.target, frame.view, {c.receivers, c.others, frame.drawn}, depth_, depthAlpha_, tally);
+        countMapFragments(frame_.scene(), c.receivers, depth_, depthAlpha_, tally);
         if (is("mask-test", "stencil")) mask_->markStencil(index);
         else frame.mask = &mask_->mask(index);
     }
