@@ -204,16 +204,19 @@ private:
         appendLedger(figures, "", total);
         appendQueries(figures);
         double texels = 0, texelsInUse = 0;
+        std::optional<double> planned;
         for (size_t sun = 0; sun < renderer_.suns(); ++sun) {
             const shadow::Technique* technique = renderer_.technique(sun);
             if (!technique) continue;
             texels += double(technique->texels());
             texelsInUse += double(technique->texelsInUse());
+            if (const auto bytes = technique->plannedMapBytes()) planned = planned.value_or(0) + double(*bytes);
         }
         figures.push_back(figure("", "texels_in_use", texelsInUse));
         if (!all) return figures;
         figures.push_back(figure("", "texels_allocated", texels));
         figures.push_back(figure("", "texture_bytes", double(renderer_.mapBytes())));
+        if (planned) figures.push_back(figure("", "planned_map_bytes", planned));
         figures.push_back(figure("", "driver_bytes", driverBytes_, driverBytes_ ? "" : "the driver does not tell"));
         appendCasters(figures);
         if (renderer_.hasVisibility()) appendOverdraw(figures, "geometry", renderer_.geometryOverdraw());

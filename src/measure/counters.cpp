@@ -50,6 +50,7 @@ constexpr std::array kMetrics{
     MetricInfo{"map_fragments", "fragments", lower, true, "fragments of casters in the maps, past the alpha test, hidden or not"},
     MetricInfo{"map_texels_filled", "texels", none, true, "texels of the maps that hold a caster, nearer than the far plane"},
     MetricInfo{"map_overdraw", "fragments/texel", lower, true, "map_fragments / map_texels_filled"},
+    MetricInfo{"planned_map_bytes", "B", lower, true, "most bytes that instanced maps may take, known before they are allocated; at most axis memory"},
     MetricInfo{"texture_bytes", "B", lower, true, "format x extent x layers x mips x samples of the technique's maps"},
     MetricInfo{"driver_bytes", "B", lower, false, "GPU memory that the technique took by the driver's own figure"},
     // overdraw of the geometry that the camera sees

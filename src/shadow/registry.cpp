@@ -62,8 +62,9 @@ const std::vector<Axis> kAxes{
      {{"0", ""}, {"0.5", ""}, {"1", ""}, {"2", ""}, {"4", ""}, {"8", ""}}},
     {"filter", "how texels are compared",
      {{"nearest", "one texel"}, {"pcf2", "2×2, bilinear weights"}, {"pcf3", "3×3, bilinear weights"}}},
-    {"rotations", "maps per caster type, at equal steps about the vertical", {}, 1, 72},
-    {"own", "instances, those that look largest, with a map of their own rotation", {}, 0, 2048},
+    {"rotations", "maps per caster type at most: one for each yaw of its instances, else in equal steps about the vertical", {}, 1, 72},
+    {"memory", "MiB that instanced maps may take: above, casters out of reach have none, then maps are smaller, then casters go to the far field's maps", {}, 1, 1048576},
+    {"own", "instances, those that look largest, with a map of their own rotation, where no shared one has it", {}, 0, 2048},
     {"mode", "how the two maps nearest to an instance's rotation are combined",
      {{"nearest", "the nearer one alone"},
       {"blend", "their binary results, blended"},
@@ -115,7 +116,7 @@ Settings mapPreset(const char* fit, const char* split, const char* cascades, con
 }
 
 Settings instancedPreset(const char* own) {
-    return withCamera({{"size", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"far-field", "none"}, {"far-cost", "3200"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
+    return withCamera({{"size", "512"}, {"memory", "512"}, {"resolution", "fixed"}, {"exact-casters", "0"}, {"far-field", "none"}, {"far-cost", "3200"}, {"rotations", "12"}, {"own", own}, {"mode", "depth"}, {"sample-frame", "EB"}, {"apply", "zpass"}, {"accumulate", "min"},
             {"cull", "receivers"}, {"update", "cached"}, {"budget", "4"}, {"bias", "slope"}, {"bias-scale", "1"}, {"filter", "nearest"}});
 }
 

@@ -50,6 +50,8 @@ public:
     /// Texels of all its maps, and those of them that a look-up can reach now.
     virtual size_t texels() const { return map() ? size_t(map()->width()) * size_t(map()->height()) * size_t(std::max(map()->layers(), 1)) : 0; }
     virtual size_t texelsInUse() const { return texels(); }
+    /// Most bytes that its maps may take, known before any of them is allocated. Nothing: it has no such bound.
+    virtual std::optional<size_t> plannedMapBytes() const { return std::nullopt; }
     virtual size_t mapBytes() const { return map() ? map()->bytes() : 0; }
     /// Renders what is kept from frame to frame for the frame's present sun and scene, outside of any frame.
     virtual void refresh() {}

@@ -65,7 +65,7 @@ scenegen::Scene turned(scenegen::Scene scene, double radians) {
 }
 
 // A sun that has only changed its azimuth re-renders no map, and the look-up's rotation makes up for it: the same pixels as
-// the world turned the other way under the old sun, with maps of its own.
+// the world turned the other way under the old sun, with maps of its own. Six maps are fewer than either species has yaws.
 TEST_F(MovingSun, AzimuthTurnsTheLookUpAndNotTheMaps) {
     const scenegen::View& view = scene_.views[scene_.viewIndex("above")];
     for (const double degrees : {17.0, -140.0}) {
@@ -73,8 +73,10 @@ TEST_F(MovingSun, AzimuthTurnsTheLookUpAndNotTheMaps) {
         const gpuscene::GpuScene otherGpu(other);
         scenegen::Sun later = scene_.sun;
         later.azimuth += degrees;
-        for (const Settings& axes : {Settings{{"mode", "nearest"}, {"sample-frame", "A"}}, Settings{{"mode", "nearest"}, {"sample-frame", "B"}},
+        for (const Settings& ways : {Settings{{"mode", "nearest"}, {"sample-frame", "A"}}, Settings{{"mode", "nearest"}, {"sample-frame", "B"}},
                                      Settings{{"mode", "depth"}, {"sample-frame", "EB"}}, Settings{{"mode", "blend"}, {"sample-frame", "E"}}}) {
+            Settings axes = ways;
+            axes["rotations"] = "6";
             SCOPED_TRACE(axes.at("mode") + axes.at("sample-frame") + std::to_string(degrees));
             frame::Frame frame(gpu_, view, kWidth, kHeight);
             Renderer renderer(frame, technique("instanced"), with(axes));
@@ -87,6 +89,22 @@ TEST_F(MovingSun, AzimuthTurnsTheLookUpAndNotTheMaps) {
             EXPECT_LE(different(after, oracle), after.size() / 100);
             EXPECT_GT(different(after, before), after.size() / 20) << "the shadows have not moved";
         }
+    }
+}
+
+// Maps of single yaws follow the azimuth and stay exact: as many are rendered as there are, and no ring's.
+TEST_F(MovingSun, MapsOfSingleYawsFollowTheAzimuth) {
+    const scenegen::View& view = scene_.views[scene_.viewIndex("above")];
+    scenegen::Sun later = scene_.sun;
+    later.azimuth += 17;
+    for (const auto& [rotations, due] : {std::pair("12", 8), {"16", 24}}) {  // 16 oaks and 8 firs, each at a yaw of its own
+        frame::Frame frame(gpu_, view, kWidth, kHeight);
+        Renderer renderer(frame, technique("instanced"), with({{"rotations", rotations}}));
+        rendered(renderer);
+        frame.setSun(later);
+        EXPECT_EQ(texelsWritten(renderer), size_t(due) * 256 * 256);
+        if (due < 24) continue;
+        EXPECT_EQ(renderer.visibility(), fresh(gpu_, view, later, with({{"mode", "exact"}})));
     }
 }
 
@@ -121,7 +139,7 @@ TEST_F(MovingSun, ElevationMakesMapsDue) {
     Renderer renderer(frame, technique("instanced"), with({{"update", "round-robin"}, {"budget", "6"}}));
     EXPECT_EQ(rendered(renderer), before);
     frame.setSun(later);
-    for (int left = 24 - 6; left >= 0; left -= 6) {  // two species of twelve maps
+    for (int left = 24 - 6; left >= 0; left -= 6) {  // 12 maps of oaks, 8 of firs: the fourth frame needs two
         const std::vector<float> now = rendered(renderer);
         const Staleness s = renderer.technique()->staleness().value();
         EXPECT_TRUE(left > 0 || now == oracle);

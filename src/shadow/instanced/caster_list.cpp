@@ -1,7 +1,7 @@
 #include "shadow/instanced/caster_list.h"
 
 #include "shadow/instanced/far_field.h"
-#include "shadow/map/caster_cull.h"
+#include "shadow/instanced/reach.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,8 +10,6 @@
 
 namespace dapple::shadow {
 namespace {
-
-constexpr uint64_t kLeafTriangles = 10'000;  ///< of the hierarchy: some trees
 
 /// Horizontal radius over half the height.
 double kappaOf(const CasterType& type) {
@@ -32,27 +30,31 @@ CasterList::GpuMap CasterList::mapOf(uint32_t index, double turn, const CasterTy
 }
 
 CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
-    const scenegen::Instance& instance = frame_.scene().scene().instances[index];
+    const scenegen::Instance& instance = maps_.items().instance(index);
     const CasterType& type = maps_.types()[size_t(maps_.typeOf(index))];
     const auto count = int(type.angles.size());
+    const auto firstMap = uint32_t(type.firstMap);
     // Where the maps were laid out the light's heading was another: to them it is the instance that has turned.
     const double yaw = double(instance.yaw) - sunTurn_;
-    const auto first = uint32_t(type.firstMap);
     RotationSample sample;
-    double turn = std::remainder(maps_.maps()[first].pose.yaw - yaw, 2 * std::numbers::pi), secondTurn = turn;  // of a lone map: 0 unless it is late
+    uint32_t second = 0;
+    double turn = 0, secondTurn = 0;
     if (type.ring) {
         sample = sampleRotation(yaw, count);
+        second = (sample.first + 1) % uint32_t(count);
         const double step = 2 * std::numbers::pi / count;
         turn = -double(sample.weight) * step;
         secondTurn = (1 - double(sample.weight)) * step;
+    } else {
+        sample.first = second = uint32_t(maps_.angleOf(type, index));
+        turn = secondTurn = std::remainder(maps_.maps()[firstMap + second].pose.yaw - yaw, 2 * std::numbers::pi);  // 0 unless the map is late
     }
-    const uint32_t second = first + (sample.first + 1) % uint32_t(count);
     const double scale = double(instance.scale), c = std::cos(double(instance.yaw)), s = std::sin(double(instance.yaw)), kappa = kappaOf(type);
     GpuCaster caster;
-    caster.first = mapOf(first + sample.first, turn, type, scale);
-    caster.second = mapOf(second, secondTurn, type, scale);
+    caster.first = mapOf(firstMap + sample.first, turn, type, scale);
+    caster.second = mapOf(firstMap + second, secondTurn, type, scale);
     caster.place = glm::vec4(glm::vec3(glm::dvec3(instance.translation) - frame_.camera().eye), 1 / scale);
-    caster.box = glm::vec4(type.box.centre(), frame_.scene().scene().prototypes[type.prototype].transmittance);
+    caster.box = glm::vec4(type.box.centre(), frame_.scene().scene().prototypes[instance.prototype].transmittance);
     const float stray = strays_[size_t(maps_.typeOf(index))] / instance.scale;
     caster.reach = glm::vec4(type.box.halfSize() + stray, sample.weight);
     const glm::dvec3& l = frame_.light();
@@ -61,7 +63,7 @@ CasterList::GpuCaster CasterList::casterOf(uint32_t index) const {
         if (std::abs(light[k]) < 1e-12) light[k] = 1e-12;
     caster.against = glm::vec4(1.0 / light, kappa * kappa);
     caster.turn = {c, s, scale / double(std::min(caster.first.texels.x, caster.second.texels.x)), scale / double(std::min(caster.first.texels.y, caster.second.texels.y))};
-    caster.refers = {first + sample.first, second, std::bit_cast<uint32_t>(type.pad), std::bit_cast<uint32_t>(stray)};
+    caster.refers = {firstMap + sample.first, firstMap + second, std::bit_cast<uint32_t>(type.pad), std::bit_cast<uint32_t>(stray)};
     return caster;
 }
 
@@ -91,12 +93,11 @@ bool CasterList::holdsEye(const GpuCaster& caster) const {
 /// directions.
 double CasterList::strayOf(const CasterType& type) const {
     const base::DBox sceneBox = frame_.relativeSceneBox();
-    const SunAngles sun = sunAngles(frame_.light());
     double most = 0;
     for (size_t k = 0; k < type.angles.size(); ++k) {
         const MapPose& pose = maps_.maps()[size_t(type.firstMap) + k].pose;
-        const double yaw = type.ring ? pose.yaw : double(frame_.scene().scene().instances[type.instance].yaw) - sunTurn_;
-        const double lag = lagOf(pose, {yaw, sun.elevation});
+        const MapPose wanted = maps_.poseOf(type, k);
+        const double lag = lagOf(pose, {type.ring ? pose.yaw : wanted.yaw, wanted.elevation});
         if (lag < 1e-9) continue;
         const double length = std::min(glm::length(sceneBox.size()), sceneBox.size().z / std::max(std::sin(pose.elevation), 1e-6));
         most = std::max(most, 2 * std::sin(lag / 2) * length);
@@ -106,15 +107,10 @@ double CasterList::strayOf(const CasterType& type) const {
 
 void CasterList::collect(FarField* far) {
     readMaps();
-    const frame::Camera& camera = frame_.camera();
-    const base::DBox sceneBox = frame_.relativeSceneBox();
-    const std::vector<glm::dvec3> body = viewBody(camera, camera.near, camera.far, sceneBox);
-    extrusion_ = extrusionFor(sceneBox, frame_.light());
-    const double stray = strays_.empty() ? 0 : double(std::ranges::max(strays_));
-    const CasterCull cull(lightBasis(frame_.light(), {0, 0, 1}), camera, body, 1e-3 * glm::length(sceneBox.size()) + stray);
-    instances_ = cull.kept(frame_.scene().hierarchy(kLeafTriangles, true), frame_.scene().instanceBoxes(), camera.eye);
-    std::erase_if(instances_, [&](uint32_t i) { return maps_.typeOf(i) < 0; });
-    if (far) far->takeFar(instances_, extrusion_);
+    extrusion_ = extrusionFor(frame_.relativeSceneBox(), frame_.light());
+    items_ = castersInReach(frame_, maps_.items(), strays_.empty() ? 0 : double(std::ranges::max(strays_)));
+    std::erase_if(items_, [&](uint32_t i) { return maps_.typeOf(i) < 0; });
+    if (far) far->takeFar(items_, extrusion_);
     upload();
 }
 
@@ -131,7 +127,7 @@ void CasterList::readMaps() {
 
 void CasterList::upload() {
     casters_.clear();
-    for (const uint32_t i : instances_) casters_.push_back(casterOf(i));
+    for (const uint32_t i : items_) casters_.push_back(casterOf(i));
     const auto about = std::stable_partition(casters_.begin(), casters_.end(), [&](const GpuCaster& c) { return !holdsEye(c); });
     notAboutEye_ = size_t(about - casters_.begin());
     buffer_.update(casters_.size() * sizeof(GpuCaster), casters_.data());
@@ -139,7 +135,7 @@ void CasterList::upload() {
 
 std::vector<uint32_t> CasterList::uses() const {
     std::vector<uint32_t> uses(maps_.types().size(), 0);
-    for (const uint32_t i : instances_) ++uses[size_t(maps_.typeOf(i))];
+    for (const uint32_t i : items_) ++uses[size_t(maps_.typeOf(i))];
     return uses;
 }
 

@@ -7,13 +7,19 @@ namespace dapple::shadow {
 
 class FarField;
 
-/// The instances whose shadow volumes can meet a receiver in view, with their maps, on the GPU (lib/instanced.glsl).
+/// The casters whose shadow volumes can meet a receiver in view, with their maps, on the GPU (lib/instanced.glsl).
 class CasterList {
 public:
     CasterList(const frame::Frame& frame, const CasterMaps& maps) : frame_(frame), maps_(maps) {}
 
     /// Anew for the frame's present view; without those that `far` takes.
     void collect(FarField* far = nullptr);
+    /// None, where the maps' plan is another: indices into the one that was mean nothing.
+    void clear() {
+        items_.clear();
+        casters_.clear();
+        notAboutEye_ = 0;
+    }
     /// After the maps have changed: the same casters.
     void update();
     /// Binds it to storage buffer 1.
@@ -42,7 +48,7 @@ private:
     void readMaps();
     void upload();
     double strayOf(const CasterType& type) const;
-    GpuCaster casterOf(uint32_t instance) const;
+    GpuCaster casterOf(uint32_t item) const;
     GpuMap mapOf(uint32_t index, double turn, const CasterType& type, double scale) const;
     bool holdsEye(const GpuCaster& caster) const;
 
@@ -50,7 +56,7 @@ private:
     const CasterMaps& maps_;
     double sunTurn_ = 0;
     std::vector<float> strays_;  ///< by type: metres by which shadows of maps of an earlier sun may leave the present one's volume
-    std::vector<uint32_t> instances_;  ///< by index
+    std::vector<uint32_t> items_;      ///< by index
     std::vector<GpuCaster> casters_;   ///< of them, in another order
     size_t notAboutEye_ = 0;
     Extrusion extrusion_;

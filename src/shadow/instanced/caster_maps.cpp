@@ -1,7 +1,7 @@
 #include "shadow/instanced/caster_maps.h"
 
 #include "shadow/families.h"
-#include "shadow/instanced/resolution.h"
+#include "shadow/instanced/reach.h"
 
 #include <fmt/format.h>
 
@@ -20,134 +20,126 @@ bool castsExactly(const scenegen::Scene& scene, const scenegen::Prototype& proto
 }
 
 CasterMaps::CasterMaps(const frame::Frame& frame, const Settings& settings)
-    : frame_(frame), scene_(frame.scene()),
-      heading_(sunAngles(frame.light()).heading), policy_(settings),
-      size_(settings.at("resolution") == "estimate" ? SizeChooser::kLeast : std::stoi(settings.at("size"))), pad_(kernelRadius(settings) + 1.5) {
-    makeTypes(settings);
-    if (types_.empty()) return;
-    atlas_.arrange(sides_, due_);
+    : frame_(frame), settings_(settings), scene_(frame.scene()), items_(scene_.items()), heading_(sunAngles(frame.light()).heading),
+      pad_(kernelRadius(settings) + 1.5), policy_(settings) {
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &bounds_.maxSide);
+    glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &bounds_.maxPages);
+    bounds_.bytes = size_t(std::stoul(settings.at("memory"))) << 20;
+    for (const scenegen::Prototype& prototype : scene_.scene().prototypes) exact_.push_back(castsExactly(scene_.scene(), prototype, settings));
     if (scene_.has(Bucket::opaque)) depth_ = gl::Program("shadow/map_depth.vert", "");
     if (scene_.has(Bucket::alphaTested)) depthAlpha_ = gl::Program("shadow/map_depth.vert", "shadow/map_depth.frag", {"ALPHA_TEST"});
-    choose();
+    rotated_.parts = items_.parts();
+    layOut();
 }
 
-void CasterMaps::resize(const std::vector<int>& sides) {
+void CasterMaps::layOut() {
+    plan_ = planMaps(items_, exact_, settings_, bounds_, sunTurn(), [this] { return view(); });
+    sides_ = plan_.sides;
+    typeOf_ = plan_.sharedTypeOf;
+    policy_ = UpdatePolicy(settings_);
+    due_.clear();
+    maps_.assign(sides_.size(), {});
+    rotated_.data.resize(sides_.size());
+    rotated_.ranges.resize(sides_.size());
+    for (size_t t = 0; t < plan_.types.size(); ++t) {
+        CasterType& type = plan_.types[t];
+        if (t >= plan_.firstOwn) typeOf_[type.item] = int(t);
+        for (size_t k = 0; k < type.angles.size(); ++k) maps_[size_t(type.firstMap) + k].pose = poseOf(type, k);
+        fit(type);
+    }
+    atlas_ = {};
+    if (!sides_.empty()) atlas_.arrange(sides_, due_);
+    for (size_t map = 0; map < maps_.size(); ++map) due_.insert(int(map));
+}
+
+void CasterMaps::resize(const std::vector<int>& wishes) {
+    std::vector<int> sides = sidesWithin(wishes, plan_.extents, bounds_);
+    if (sides.empty()) sides = plan_.sides;  // the plan's fit, and are the least
     if (sides == sides_) return;
-    sides_ = sides;
-    for (CasterType& type : types_) fit(type);
+    sides_ = std::move(sides);
+    for (CasterType& type : plan_.types) fit(type);
     atlas_.arrange(sides_, due_);
 }
 
-void CasterMaps::addType(CasterType type) {
-    type.firstMap = int(maps_.size());
-    for (size_t k = 0; k < type.angles.size(); ++k) maps_.push_back({poseOf(type, k), {}});
-    sides_.resize(maps_.size(), size_);
-    rotated_.data.resize(maps_.size());
-    rotated_.ranges.resize(maps_.size());
-    fit(type);
-    types_.push_back(std::move(type));
-}
-
-void CasterMaps::makeTypes(const Settings& settings) {
-    const scenegen::Scene& scene = scene_.scene();
-    const int rotations = std::stoi(settings.at("rotations"));
-    std::vector<int> ofPrototype(scene.prototypes.size(), -1);
-    std::vector<bool> exact;
-    for (const scenegen::Prototype& prototype : scene.prototypes) exact.push_back(castsExactly(scene, prototype, settings));
-    std::vector<CasterType> shared;
-    std::vector<bool> turned;
-    std::vector<uint32_t> casting;
-    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
-        const scenegen::Instance& instance = scene.instances[i];
-        const gpuscene::GpuPrototype& prototype = scene_.prototypes()[instance.prototype];
-        typeOf_.push_back(-1);
-        if (!prototype.castsShadow || prototype.triangles == 0 || exact[instance.prototype]) continue;
-        casting.push_back(i);
-        int& known = ofPrototype[instance.prototype];
-        if (known < 0) {
-            known = int(shared.size());
-            shared.push_back({instance.prototype, i, 0, {double(instance.yaw)}, false, {}, 0});
-            turned.push_back(false);
-        }
-        turned[size_t(known)] = turned[size_t(known)] || double(instance.yaw) != shared[size_t(known)].angles[0];
-        typeOf_.back() = known;
-    }
-    // With a map for every instance nothing is shared.
-    const size_t own = settings.at("mode") == "exact" ? casting.size() : std::min(size_t(std::stoi(settings.at("own"))), casting.size());
-    if (own < casting.size())
-        for (size_t k = 0; k < shared.size(); ++k) {
-            if (turned[k]) {
-                shared[k].angles.clear();
-                shared[k].ring = true;
-                for (int r = 0; r < rotations; ++r) shared[k].angles.push_back(2 * std::numbers::pi * r / rotations);
-            }
-            addType(shared[k]);
-        }
-    firstOwn_ = types_.size();
-    sharedTypeOf_ = typeOf_;
-    for (size_t k = 0; k < own; ++k) {
-        const scenegen::Instance& instance = scene.instances[casting[k]];
-        ownerOf_.push_back(casting[k]);
-        typeOf_[casting[k]] = int(types_.size());
-        addType({instance.prototype, casting[k], 0, {double(instance.yaw)}, false, {}, 0});
-    }
+size_t CasterMaps::plannedBytes() const {
+    return settings_.at("resolution") == "estimate" ? std::min(plan_.wantedBytes, bounds_.bytes) : plan_.bytes;
 }
 
 double CasterMaps::sunTurn() const { return std::remainder(sunAngles(frame_.light()).heading - heading_, 2 * std::numbers::pi); }
 
-MapPose CasterMaps::poseOf(const CasterType& type, size_t k) const {
-    const double yaw = type.ring ? type.angles[k] : double(scene_.scene().instances[type.instance].yaw) - sunTurn();
-    return {yaw, sunAngles(frame_.light()).elevation};
+MapPose CasterMaps::poseOf(const CasterType& type, size_t angle) const {
+    const double yaw = type.alone ? double(items_.instance(type.item).yaw) : type.angles[angle];
+    return {type.ring ? yaw : yaw - sunTurn(), sunAngles(frame_.light()).elevation};
+}
+
+size_t CasterMaps::angleOf(const CasterType& type, uint32_t item) const {
+    const double yaw = double(items_.instance(item).yaw);
+    const auto own = std::ranges::find_if(type.angles, [&](double angle) { return sameYaw(angle, yaw); });
+    return own == type.angles.end() ? 0 : size_t(own - type.angles.begin());
 }
 
 std::vector<UpdatePolicy::Map> CasterMaps::wanted() const {
     std::vector<UpdatePolicy::Map> result;
-    for (size_t t = 0; t < types_.size(); ++t) {
-        const CasterType& type = types_[t];
-        const base::Box& box = scene_.prototypes()[type.prototype].box;
+    for (size_t t = 0; t < plan_.types.size(); ++t) {
+        const CasterType& type = plan_.types[t];
+        const gpuscene::Part& part = items_.parts()[type.part];
         for (size_t k = 0; k < type.angles.size(); ++k) {
             const size_t map = size_t(type.firstMap) + k;
             const double texel = 2 / (double(std::max(maps_[map].window.z, maps_[map].window.w)) * sides_[map]);
-            result.push_back({poseOf(type, k), texel, double(box.hi.z - box.lo.z), uint32_t(t), scene_.scene().prototypes[type.prototype].moving});
+            result.push_back({poseOf(type, k), texel, double(part.box.hi.z - part.box.lo.z), uint32_t(t), scene_.scene().prototypes[part.prototype].moving});
         }
     }
     return result;
 }
 
-void CasterMaps::choose() {
-    const scenegen::Scene& scene = scene_.scene();
-    if (ownerOf_.empty() || firstOwn_ == 0) return;  // none, or all have their own
-    std::vector<std::pair<double, uint32_t>> looks;  // minus the sine of half the angle that it fills
-    for (uint32_t i = 0; i < sharedTypeOf_.size(); ++i) {
-        if (sharedTypeOf_[i] < 0) continue;
-        const base::DBox box = frame_.relativeBox(i);
+CasterView CasterMaps::view() const {
+    CasterView view{std::vector<bool>(items_.size(), false), {}};
+    for (const uint32_t i : castersInReach(frame_, items_, 0)) view.inReach[i] = true;
+    for (const base::Box& itemBox : items_.boxes()) {
+        const base::DBox box = frame_.relative(itemBox);
         const double radius = glm::length(box.halfSize()), distance = std::max(glm::length(box.centre()), radius);
-        const bool seen = frame_.camera().mayContain(box);
-        looks.emplace_back(-(seen ? 1.0 : 0.1) * radius / distance, i);
+        view.looks.push_back(radius == 0 ? 0 : (frame_.camera().mayContain(box) ? 1.0 : 0.1) * radius / distance);
     }
-    std::partial_sort(looks.begin(), looks.begin() + std::ptrdiff_t(ownerOf_.size()), looks.end());
-    std::vector<bool> chosen(sharedTypeOf_.size(), false);
-    for (size_t k = 0; k < ownerOf_.size(); ++k) chosen[looks[k].second] = true;
-    size_t next = 0;
-    for (size_t k = 0; k < ownerOf_.size(); ++k) {
-        if (chosen[ownerOf_[k]]) continue;
-        while (typeOf_[looks[next].second] >= int(firstOwn_)) ++next;
-        const uint32_t instance = looks[next].second;
-        CasterType& type = types_[firstOwn_ + k];
-        typeOf_[ownerOf_[k]] = sharedTypeOf_[ownerOf_[k]];
-        typeOf_[instance] = int(firstOwn_ + k);
-        ownerOf_[k] = instance;
-        type.prototype = scene.instances[instance].prototype;
-        type.instance = instance;
-        type.angles = {double(scene.instances[instance].yaw)};
+    return view;
+}
+
+bool CasterMaps::choose() {
+    std::optional<CasterView> seen;
+    const auto look = [&]() -> const CasterView& { return seen ? *seen : seen.emplace(view()); };
+    const bool allOwn = settings_.at("mode") == "exact";
+    const size_t most = allOwn ? 0 : std::stoul(settings_.at("own"));
+    const std::vector<uint32_t> wanted = ownersOf(items_, plan_.types, plan_.sharedTypeOf, most, sunTurn(), look);
+    bool other = wanted.size() != (allOwn ? 0 : plan_.types.size() - plan_.firstOwn);
+    if (plan_.byView && !other) {
+        const std::vector<bool>& reach = look().inReach;
+        for (uint32_t i = 0; i < items_.size(); ++i) other |= reach[i] && typeOf_[i] < 0 && !plan_.cascaded[i] && !exact_[items_.part(i).prototype];
+    }
+    if (other) {
+        layOut();
+        return true;
+    }
+    std::vector<uint32_t> waiting;
+    for (const uint32_t i : wanted)
+        if (typeOf_[i] < int(plan_.firstOwn)) waiting.push_back(i);
+    for (size_t t = plan_.firstOwn; t < plan_.types.size() && !waiting.empty(); ++t) {
+        CasterType& type = plan_.types[t];
+        if (std::ranges::find(wanted, type.item) != wanted.end()) continue;
+        typeOf_[type.item] = plan_.sharedTypeOf[type.item];
+        const uint32_t item = waiting.front();
+        waiting.erase(waiting.begin());
+        typeOf_[item] = int(t);
+        const int firstMap = type.firstMap;
+        type = ownType(items_, item);
+        type.firstMap = firstMap;
         maps_[size_t(type.firstMap)].pose = poseOf(type, 0);
         fit(type);
         due_.insert(type.firstMap);
     }
+    return false;
 }
 
 void CasterMaps::fit(CasterType& type) {
-    type.box = scene_.prototypes()[type.prototype].box;
+    type.box = items_.parts()[type.part].box;
     double texel = 0;
     for (size_t k = 0; k < type.angles.size(); ++k) {
         const size_t map = size_t(type.firstMap) + k;
@@ -166,7 +158,7 @@ void CasterMaps::fit(CasterType& type) {
         m.depthNear = bounds.lo.z - side;
         m.depthFar = bounds.hi.z + side;
         texel = std::max(texel, side);
-        rotated_.ranges[map] = {type.prototype, uint32_t(map), 1};
+        rotated_.ranges[map] = {type.part, uint32_t(map), 1};
         rotated_.data[map] = {glm::vec3(0), 1, {float(c), float(s)}};
     }
     // Receivers within the kernel's reach of a shadow's edge need the volume too.
@@ -186,11 +178,11 @@ glm::dmat4 CasterMaps::clip(const CasterMap& map, double heading) const {
 std::vector<LightMatrix> CasterMaps::matrices() const {
     std::vector<LightMatrix> result;
     const double turn = sunTurn();
-    for (const CasterType& type : types_)
+    for (const CasterType& type : plan_.types)
         for (size_t k = 0; k < type.angles.size(); ++k) {
             const CasterMap& map = maps_[size_t(type.firstMap) + k];
             result.push_back({fmt::format("prototype '{}' rotated by {:.6g} degrees, relative to its own origin",
-                                          scene_.scene().prototypes[type.prototype].name, glm::degrees(map.pose.yaw + turn)), clip(map, heading_ + turn)});
+                                          scene_.scene().prototypes[items_.parts()[type.part].prototype].name, glm::degrees(map.pose.yaw + turn)), clip(map, heading_ + turn)});
         }
     return result;
 }
@@ -209,7 +201,7 @@ void CasterMaps::renderAll(measure::Ledger& tally) {
 void CasterMaps::draw(const std::vector<int>& maps, measure::Ledger& tally) {
     if (maps.empty()) return;
     auto next = maps.begin();  // sorted, as the types' maps are
-    for (CasterType& type : types_) {
+    for (CasterType& type : plan_.types) {
         const auto end = std::lower_bound(next, maps.end(), type.firstMap + int(type.angles.size()));
         bool moved = false;
         for (; next != end; ++next) {

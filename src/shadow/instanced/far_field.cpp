@@ -78,16 +78,16 @@ std::vector<bool> cheaperAsVolumes(std::span<const FarCost> costs, double perTri
 }
 
 FarField::FarField(frame::Frame& frame, const CasterMaps& maps, const Settings& settings)
-    : frame_(frame), maps_(maps), kind_(settings.at("far-field") == "auto" ? Kind::nearest : settings.at("far-field") == "each" ? Kind::each : Kind::distance),
+    : frame_(frame), maps_(maps), kind_(settings.at("far-field") == "none" ? Kind::none : settings.at("far-field") == "auto" ? Kind::nearest : settings.at("far-field") == "each" ? Kind::each : Kind::distance),
       distance_(kind_ == Kind::distance ? std::stod(settings.at("far-field")) : 0),
       perTriangle_(std::stod(settings.at("far-cost")) / 100) {
     Settings cascaded = shadow::technique("cascaded").defaults;
     for (const char* same : {"camera", "leaf", "batch", "assumed-visible", "bias", "bias-scale", "filter"}) cascaded[same] = settings.at(same);
-    technique_ = makeMap(frame, cascaded, [this](uint32_t i) { return maps_.typeOf(i) >= 0 && !keepsVolume_[i]; });
+    technique_ = makeMap(frame, cascaded, [this](uint32_t instance) { return drawn_[instance]; });
 }
 
 FarCost FarField::costOf(uint32_t i, const Extrusion& extrusion) const {
-    const scenegen::Instance& instance = frame_.scene().scene().instances[i];
+    const scenegen::Instance& instance = maps_.items().instance(i);
     const base::Box& box = maps_.types()[size_t(maps_.typeOf(i))].box;
     const double c = std::cos(double(instance.yaw)), s = std::sin(double(instance.yaw)), scale = double(instance.scale);
     const glm::dvec3 place = glm::dvec3(instance.translation) - frame_.camera().eye;
@@ -98,12 +98,19 @@ FarCost FarField::costOf(uint32_t i, const Extrusion& extrusion) const {
     }
     const double top = place.z + scale * double(box.hi.z);
     const double swept = std::min(extrusion.most, (top - extrusion.floor) / std::max(-frame_.light().z, 1e-6));
-    return {volumePixels(frame_.camera(), corners, frame_.light(), swept), double(frame_.scene().prototypes()[instance.prototype].triangles)};
+    return {volumePixels(frame_.camera(), corners, frame_.light(), swept), double(maps_.items().part(i).triangles)};
 }
 
 void FarField::takeFar(std::vector<uint32_t>& casters, const Extrusion& extrusion) {
+    const gpuscene::Items& items = maps_.items();
+    drawn_.assign(frame_.scene().scene().instances.size(), false);
+    any_ = false;
+    const auto take = [&](uint32_t i) { drawn_[items[i].instance] = any_ = true; };
+    for (uint32_t i = 0; i < items.size(); ++i)
+        if (maps_.plan().cascaded[i]) take(i);
+    if (kind_ == Kind::none) return;
     std::vector<std::pair<double, uint32_t>> byDistance;
-    for (const uint32_t i : casters) byDistance.emplace_back(glm::length(frame_.relativeBox(i).centre()), i);
+    for (const uint32_t i : casters) byDistance.emplace_back(glm::length(frame_.relative(items.boxes()[i]).centre()), i);
     std::ranges::sort(byDistance);
     std::vector<FarCost> costs;
     if (kind_ != Kind::distance)
@@ -113,10 +120,11 @@ void FarField::takeFar(std::vector<uint32_t>& casters, const Extrusion& extrusio
     if (kind_ == Kind::each) volumes = cheaperAsVolumes(costs, perTriangle_, lookUps);
     else if (kind_ == Kind::nearest) std::fill_n(volumes.begin(), nearestAsVolumes(costs, perTriangle_, lookUps), true);
     else for (size_t k = 0; k < volumes.size(); ++k) volumes[k] = byDistance[k].first < distance_;
-    keepsVolume_.assign(frame_.scene().scene().instances.size(), false);
-    for (size_t k = 0; k < volumes.size(); ++k) keepsVolume_[byDistance[k].second] = volumes[k];
-    std::erase_if(casters, [&](uint32_t i) { return !keepsVolume_[i]; });
-    any_ = casters.size() < byDistance.size();
+    std::vector<bool> keeps(items.size(), false);
+    for (size_t k = 0; k < volumes.size(); ++k)
+        if (volumes[k]) keeps[byDistance[k].second] = true;
+        else take(byDistance[k].second);
+    std::erase_if(casters, [&](uint32_t i) { return !keeps[i]; });
 }
 
 }  // namespace dapple::shadow

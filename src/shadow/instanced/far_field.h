@@ -26,7 +26,8 @@ std::vector<bool> cheaperAsVolumes(std::span<const FarCost> costs, double perTri
 
 /// Casters far from the eye, or those whose volumes cost most, are drawn into cascaded maps of the scene instead of having
 /// volumes: axes `far-field` and `far-cost`. Where hundreds of volumes lie over one another, as under a low sun, what they cost
-/// grows with the screen and not with the casters. Both darken one image, so that every pixel is shadowed by all casters.
+/// grows with the screen and not with the casters. Both darken one image, so that every pixel is shadowed by all casters. It also
+/// takes the casters that the maps' plan leaves without one (MapPlan::cascaded).
 class FarField {
 public:
     /// Throws base::Error(failed) when there is no memory for its maps.
@@ -42,15 +43,15 @@ public:
     const Technique& technique() const { return *technique_; }
 
 private:
-    FarCost costOf(uint32_t instance, const Extrusion& extrusion) const;
+    FarCost costOf(uint32_t item, const Extrusion& extrusion) const;
 
     const frame::Frame& frame_;
     const CasterMaps& maps_;
-    enum class Kind { distance, nearest, each } kind_;
+    enum class Kind { none, distance, nearest, each } kind_;
     double distance_ = 0;  ///< metres, of Kind::distance
     double perTriangle_;   ///< fragments
     bool any_ = false;
-    std::vector<bool> keepsVolume_;  ///< by instance
+    std::vector<bool> drawn_;  ///< by instance: into the maps
     std::unique_ptr<Technique> technique_;
 };
 

@@ -1,5 +1,6 @@
 // Instanced shadow maps (Buntin & Stamminger 2007): per caster type, maps of the object rotated about the vertical in
 // equal steps; per instance, the bounding shadow volume of its box says which pixels look one up.
+#include "base/error.h"
 #include "shadow/families.h"
 
 #include "shadow/instanced/caster_list.h"
@@ -10,6 +11,9 @@
 #include "shadow/volume/silhouette_volumes.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
 
 namespace dapple::shadow {
 namespace {
@@ -30,7 +34,7 @@ public:
         if (!is("exact-casters", "0"))
             exact_.emplace(frame, [this](const scenegen::Prototype& p) { return castsExactly(frame_.scene().scene(), p, settings_); },
                            SilhouetteVolumes::Count::stencil, true, start_.depth());
-        if (!is("far-field", "none")) far_.emplace(frame, maps_, settings);
+        planFarField();
         const gl::Texture* visibility[] = {&frame_.visibility()};
         volumeTarget_ = gl::makeFramebuffer(visibility, &testedDepth());
         refresh();
@@ -58,26 +62,30 @@ public:
 
     std::vector<frame::Pass> passes() override {
         using measure::Ledger;
-        maps_.choose();
+        choose();
+        planFarField();
         std::string mapsLeftOut, leftOut, farLeftOut;
         const bool exact = exact_ && !exact_->empty();
-        if (maps_.types().empty()) mapsLeftOut = leftOut = exact ? "every caster casts exactly" : "the scene has no caster";
+        if (maps_.types().empty()) mapsLeftOut = leftOut = withoutMaps(exact);
         else if (!maps_.outdated() && !chooser_) mapsLeftOut = "cached: neither the sun nor a caster's shape has changed";
         std::vector<frame::Pass> passes;
         if (far_) {
             casters_.collect(&*far_);
-            if (!leftOut.empty()) farLeftOut = leftOut;
-            else if (!far_->any()) farLeftOut = is("far-field", "auto") || is("far-field", "each") ? "every caster is cheaper as a volume" : "no caster is so far";
+            if (!far_->any()) farLeftOut = !leftOut.empty() ? leftOut : is("far-field", "auto") || is("far-field", "each") ? "every caster is cheaper as a volume" : "no caster is so far";
             splits_ = farLeftOut.empty();
             passes.push_back({"far", {}, {}, "which casters are drawn into maps instead of having volumes", farLeftOut, [this](Ledger&) { casters_.collect(&*far_); }});
         }
-        if (maps_.maps().size() == maps_.types().size() && !is("rotations", "1"))
-            passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters", "no caster is rotated against another of its type: one map per type serves", {}});
+        if (std::ranges::none_of(maps_.types(), &CasterType::ring) && !is("rotations", "1"))
+            passes.push_back({"maps.rotated", {}, {}, "maps of rotated casters, in equal steps",
+                              maps_.maps().size() == maps_.types().size() ? "no caster is rotated against another of its type: one map per type serves"
+                                                                          : "the casters of a type have few yaws: a map for each is exact", {}});
         if (chooser_)
             passes.push_back({"estimate", {"gbuffer", "depth"}, {"demand"}, "texels that each map is asked for", leftOut, [this](Ledger& tally) { estimate(tally); }});
         passes.push_back({"maps", {}, {"maps"}, fmt::format("{} maps of {} caster types", maps_.maps().size(), maps_.types().size()), mapsLeftOut,
                           [this](Ledger& tally) {
-                              if (const auto demands = chooser_ ? demand_->result() : std::nullopt) maps_.resize(chooser_->update(*demands));
+                              if (maps_.plan().byView) followSun();
+                              const auto demands = chooser_ ? demand_->result() : std::nullopt;
+                              if (demands && demands->size() == maps_.maps().size()) maps_.resize(chooser_->update(*demands));
                               maps_.render(casters_.uses(), tally);
                           }});
         if (is("apply", "tiled") && leftOut.empty()) {
@@ -111,6 +119,9 @@ public:
         }
         return passes;
     }
+
+    std::string fallback() const override { return maps_.plan().note; }
+    std::optional<size_t> plannedMapBytes() const override { return maps_.plannedBytes(); }
 
     std::vector<LightMatrix> matrices() const override {
         std::vector<LightMatrix> all = maps_.matrices();
@@ -158,6 +169,30 @@ private:
     }
     /// Casters, first in the list, whose front faces do.
     size_t notAboutEye() const { return is("apply", "zpass") ? casters_.notAboutEye() : 0; }
+
+    /// Returns whether the maps are others.
+    bool choose() {
+        const bool others = maps_.choose();
+        if (others) casters_.clear();
+        if (others && chooser_) chooser_.emplace(std::stoi(settings_.at("size")));  // of the maps that were
+        return others;
+    }
+    std::string withoutMaps(bool exact) const {
+        if (std::ranges::any_of(maps_.plan().cascaded, std::identity())) return "every caster in reach is the far field's";
+        if (exact) return "every caster casts exactly";
+        return maps_.plan().byView ? "no caster's shadow reaches this view" : "the scene has no caster";
+    }
+    /// It has the casters that axis `far-field` gives it, and those that the maps' plan does.
+    void planFarField() {
+        if (!far_ && (!is("far-field", "none") || std::ranges::any_of(maps_.plan().cascaded, std::identity()))) far_.emplace(frame_, maps_, settings_);
+    }
+    /// A sun or casters that have moved since the passes were planned may bring casters into reach that have no map yet.
+    void followSun() {
+        if (!choose()) return;
+        if (!splits_ && std::ranges::any_of(maps_.plan().cascaded, std::identity()))
+            throw base::Error(base::ExitCode::failed, "casters have come into reach whose maps do not fit axis memory, in the middle of a motion: more memory");
+        casters_.collect(splits_ ? &*far_ : nullptr);
+    }
 
     bool countVolumes(const gl::Program& program, const gl::Texture* depth) {
         if (is("apply", "tiled") || is("apply", "all")) return false;

@@ -16,13 +16,17 @@ size_t area(std::span<const int> sides) {
 
 }  // namespace
 
-Pages pagesFor(std::span<const int> sides, int maxSide, int maxPages) {
+std::optional<Pages> pagesWithin(std::span<const int> sides, int maxSide, int maxPages) {
     const int largest = sides.empty() ? 0 : *std::max_element(sides.begin(), sides.end());
     for (int side = largest; side > 0 && side <= maxSide; side *= 2) {
         const size_t page = size_t(side) * size_t(side), pages = (area(sides) + page - 1) / page;
-        if (pages <= size_t(maxPages)) return {side, int(pages)};
+        if (pages <= size_t(maxPages)) return Pages{side, int(pages)};
     }
-    if (largest == 0) return {};
+    return largest == 0 ? std::optional(Pages{}) : std::nullopt;
+}
+
+Pages pagesFor(std::span<const int> sides, int maxSide, int maxPages) {
+    if (const auto pages = pagesWithin(sides, maxSide, maxPages)) return *pages;
     throw base::Error(base::ExitCode::failed, fmt::format("{} maps of {} Mi texels are more than this GL's {} layers of {}² hold: fewer rotations or own maps, or smaller ones",
                                                           sides.size(), area(sides) >> 20, maxPages, maxSide));
 }

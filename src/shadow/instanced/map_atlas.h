@@ -34,11 +34,14 @@ private:
     std::vector<gl::Framebuffer> targets_;  ///< by page
 };
 
-/// Side and number of the pages for maps of these sides. Throws base::Error(failed) beyond the limits.
+/// Side and number of the pages for maps of these sides.
 struct Pages {
     int side = 0, count = 0;
     size_t texels() const { return size_t(side) * size_t(side) * size_t(count); }
 };
+/// Nothing beyond the limits.
+std::optional<Pages> pagesWithin(std::span<const int> sides, int maxSide, int maxPages);
+/// Throws base::Error(failed) beyond the limits.
 Pages pagesFor(std::span<const int> sides, int maxSide, int maxPages);
 
 }  // namespace dapple::shadow
