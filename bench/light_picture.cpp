@@ -108,6 +108,7 @@ base::Image8 paintCastersDrawn(SharedFrame& shared, shadow::Renderer& renderer) 
 base::Image8 paintReceiverMasks(const SharedFrame& shared, const shadow::Renderer& renderer) {
     std::vector<base::ImageF> maps, masks;
     const shadow::Technique* technique = renderer.technique();
+    if (technique && !technique->map()) throw base::UsageError("no map is drawn here, so that none has a mask");
     for (size_t m = 0; technique && m < technique->matrices().size(); ++m) {
         std::optional<base::ImageF> mask = technique->receiverMask(m);
         if (!mask) break;

@@ -4,6 +4,9 @@
 layout(binding = 1) uniform usampler2D uSurface;
 layout(binding = 2) uniform sampler2D uDepth;
 uniform vec3 uLight;
+#ifdef UNLIT
+uniform float uUnlit;
+#endif
 layout(location = 0) out vec2 oVisibility;
 #ifdef OWN_DEPTH
 #define oDepth gl_FragDepth
@@ -17,7 +20,7 @@ void main() {
     bool lit = depth > 0.0 && dot(unpackNormal(texelFetch(uSurface, pixel, 0).z), uLight) < 0.0;
     oVisibility = depth == 0.0 ? vec2(1.0, 0.0) : lit ? vec2(1.0) : vec2(0.0);
 #ifdef UNLIT
-    depth = lit ? depth : UNLIT;
+    depth = lit ? depth : uUnlit;
 #endif
     oDepth = depth;
 }

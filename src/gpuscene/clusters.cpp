@@ -3,6 +3,7 @@
 #include "gpuscene/gpu_scene.h"
 
 #include <algorithm>
+#include <map>
 
 namespace dapple::gpuscene {
 namespace {
@@ -26,10 +27,17 @@ void append(std::vector<uint8_t>& bytes, std::span<const uint32_t> indices) {
 
 std::vector<Part> clusters(const scenegen::Prototype& prototype, const GpuPrototype& gpu, uint32_t index, uint32_t triangles, size_t offset, std::vector<uint8_t>& bytes) {
     std::vector<const scenegen::Mesh*> meshes;  // parallel to those of `gpu`
+    std::map<const scenegen::Mesh*, std::vector<uint32_t>> drawn;  // of those with slivers
     for (const scenegen::Mesh& mesh : prototype.meshes)
-        if (!mesh.indices.empty()) meshes.push_back(&mesh);
+        if (!mesh.indices.empty()) {
+            if (gpu.meshes[meshes.size()].packing.slivers) drawn[&mesh] = drawnIndices(mesh);
+            meshes.push_back(&mesh);
+        }
     const auto unitIndices = [&](uint32_t mesh) { return gpu.meshes[mesh].packing.indices == Packing::Indices::quads ? 6u : 3u; };
-    const auto indicesOf = [&](const Unit& unit) { return std::span(meshes[unit.mesh]->indices).subspan(unit.firstIndex, unitIndices(unit.mesh)); };
+    const auto indicesOf = [&](const Unit& unit) {
+        const auto own = drawn.find(meshes[unit.mesh]);
+        return std::span(own != drawn.end() ? own->second : meshes[unit.mesh]->indices).subspan(unit.firstIndex, unitIndices(unit.mesh));
+    };
     std::vector<Unit> units;
     std::vector<base::Box> boxes;
     std::vector<uint32_t> weights;

@@ -67,8 +67,10 @@ GpuScene::GpuScene(const scenegen::Scene& scene) : scene_(&scene), facts_(scene.
             const auto kind = size_t(packing.vertices);
             const size_t stored[kKinds] = {floats.size(), compacts.size(), flats.size()};
             GpuMesh m{packing, 0, uint32_t(mesh.indices.size()), int32_t(stored[kind]), mesh.material, material.alphaTested, !material.doubleSided};
-            if (packing.indices == Packing::Indices::bits32) m.indexOffset = append(indices, mesh.indices);
-            if (packing.indices == Packing::Indices::bits16) m.indexOffset = append(indices, std::vector<uint16_t>(mesh.indices.begin(), mesh.indices.end()));
+            const std::vector<uint32_t> drawn = packing.slivers ? drawnIndices(mesh) : std::vector<uint32_t>();
+            const std::vector<uint32_t>& own = packing.slivers ? drawn : mesh.indices;
+            if (packing.indices == Packing::Indices::bits32) m.indexOffset = append(indices, own);
+            if (packing.indices == Packing::Indices::bits16) m.indexOffset = append(indices, std::vector<uint16_t>(own.begin(), own.end()));
             (material.alphaTested ? hasAlpha_ : hasOpaque_) = true;
             hasOpaqueTextures_ |= !material.alphaTested && material.texture >= 0;
             for (size_t v = 0; v < mesh.positions.size(); ++v)

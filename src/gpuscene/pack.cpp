@@ -33,6 +33,20 @@ bool isFlat(const scenegen::Mesh& mesh) {
     return true;
 }
 
+/// Of the triangle whose indices begin at `first`. Corners on a line leave a cross product of their roundings.
+bool hasArea(const scenegen::Mesh& mesh, size_t first) {
+    const glm::dvec3 a(mesh.positions[mesh.indices[first]]);
+    const glm::dvec3 p = glm::dvec3(mesh.positions[mesh.indices[first + 1]]) - a, q = glm::dvec3(mesh.positions[mesh.indices[first + 2]]) - a;
+    const glm::dvec3 area = glm::cross(p, q);
+    return glm::dot(area, area) > 1e-24 * glm::dot(p, p) * glm::dot(q, q);
+}
+
+bool hasSlivers(const scenegen::Mesh& mesh) {
+    for (size_t i = 0; i < mesh.indices.size(); i += 3)
+        if (!hasArea(mesh, i)) return true;
+    return false;
+}
+
 void steps(const Packing& packing, const glm::vec3& at, uint16_t (&position)[3]) {
     for (int k = 0; k < 3; ++k) position[k] = uint16_t((double(at[k]) - double(packing.grid[k])) / double(packing.grid.w));
 }
@@ -64,8 +78,16 @@ Packing choosePacking(const scenegen::Mesh& mesh) {
             packing.grid = {box.lo, step};
         }
     }
-    if (mesh.positions.size() <= 65536) packing.indices = scenegen::isQuadList(mesh) ? Packing::Indices::quads : Packing::Indices::bits16;
+    packing.slivers = hasSlivers(mesh);
+    if (mesh.positions.size() <= 65536) packing.indices = !packing.slivers && scenegen::isQuadList(mesh) ? Packing::Indices::quads : Packing::Indices::bits16;
     return packing;
+}
+
+std::vector<uint32_t> drawnIndices(const scenegen::Mesh& mesh) {
+    std::vector<uint32_t> indices = mesh.indices;
+    for (size_t i = 0; i < indices.size(); i += 3)
+        if (!hasArea(mesh, i)) indices[i + 1] = indices[i + 2] = indices[i];
+    return indices;
 }
 
 size_t Packing::bytes(const scenegen::Mesh& mesh) const {

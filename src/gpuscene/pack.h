@@ -18,12 +18,17 @@ struct Packing {
         bits16,
         bits32,
     } indices = Indices::bits32;
+    bool slivers = false;  ///< the mesh has triangles without area: see drawnIndices()
 
     /// Of the mesh alone; the list of the quads is shared.
     size_t bytes(const scenegen::Mesh& mesh) const;
 };
 
 Packing choosePacking(const scenegen::Mesh& mesh);
+
+/// Of a mesh with slivers, as many as it has: a triangle without area has one corner three times. No ray can hit it, but
+/// where its corners are rounded apart a rasteriser would draw it.
+std::vector<uint32_t> drawnIndices(const scenegen::Mesh& mesh);
 
 /// Quads of the shared list: as many as 16-bit indices reach.
 inline constexpr size_t kSharedQuads = 65536 / 4;

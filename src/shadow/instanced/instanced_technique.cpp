@@ -29,7 +29,7 @@ public:
           stencil_(is("accumulate", "stencil") || !is("exact-casters", "0")),
           spares_((is("cull", "receivers") || masked()) && is("exact-casters", "0")),
           start_(frame, stencil_ ? LitStart::Depth::withStencil : spares_ ? LitStart::Depth::tested : LitStart::Depth::readable,
-                 spares_ ? std::optional(is("apply", "zpass") ? 1.0f : 0.0f) : std::nullopt) {
+                 spares_) {
         makePrograms();
         if (!is("exact-casters", "0"))
             exact_.emplace(frame, [this](const scenegen::Prototype& p) { return castsExactly(frame_.scene().scene(), p, settings_); },
@@ -342,17 +342,18 @@ private:
         glDepthMask(GL_FALSE);
         glEnable(GL_DEPTH_CLAMP);
         glEnable(GL_CULL_FACE);
-        bind(program);
-        if (&testedDepth() == &frame_.depth()) glBindTextureUnit(2, start_.depth().name());
         program.set("uExtrusion", float(casters_.extrusion().most));
         program.set("uFloor", float(casters_.extrusion().floor));
-        glBindVertexArray(array_.name());
         if (masked()) {
             glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, survivors_.name());
             glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
         }
         const auto draw = [&](bool zPass, size_t first, size_t count) {
             if (count == 0) return;
+            start_.setUnlit(zPass ? 1.0f : 0.0f, tally);
+            bind(program);
+            if (&testedDepth() == &frame_.depth()) glBindTextureUnit(2, start_.depth().name());
+            glBindVertexArray(array_.name());
             // z-fail: back faces that lie behind the scene (smaller depth, as z is reversed), whatever side the eye is on;
             // z-pass: front faces before it.
             glDepthFunc(zPass ? GL_GREATER : GL_LESS);

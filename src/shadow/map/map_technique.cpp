@@ -143,7 +143,9 @@ private:
         gpuscene::DrawList receivers, others;  // with a mask: those in sight, that cast and that do not
     };
 
+    /// None into a map that is left out.
     std::vector<uint32_t> itemsDrawn(const Cascade& c) const {
+        if (!needed(c).empty()) return {};
         std::vector<uint32_t> items = c.culling->drawn();
         items.insert(items.end(), c.receivers.items.begin(), c.receivers.items.end());  // with a mask: drawn before
         return items;
