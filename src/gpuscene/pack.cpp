@@ -33,12 +33,12 @@ bool isFlat(const scenegen::Mesh& mesh) {
     return true;
 }
 
-/// Of the triangle whose indices begin at `first`. Corners on a line leave a cross product of their roundings.
+/// Of the triangle whose indices begin at `first`: whether it is higher than its corners' coordinates are rounded.
 bool hasArea(const scenegen::Mesh& mesh, size_t first) {
-    const glm::dvec3 a(mesh.positions[mesh.indices[first]]);
-    const glm::dvec3 p = glm::dvec3(mesh.positions[mesh.indices[first + 1]]) - a, q = glm::dvec3(mesh.positions[mesh.indices[first + 2]]) - a;
-    const glm::dvec3 area = glm::cross(p, q);
-    return glm::dot(area, area) > 1e-24 * glm::dot(p, p) * glm::dot(q, q);
+    const auto corner = [&](size_t k) { return glm::dvec3(mesh.positions[mesh.indices[first + k]]); };
+    const glm::dvec3 a = corner(0), p = corner(1) - a, q = corner(2) - a, far = glm::abs(a) + glm::max(glm::abs(p), glm::abs(q));
+    const double twiceArea = glm::length(glm::cross(p, q)), side = std::sqrt(std::max({glm::dot(p, p), glm::dot(q, q), glm::dot(q - p, q - p)}));
+    return twiceArea > 0x1p-22 * std::max({far.x, far.y, far.z}) * side;
 }
 
 bool hasSlivers(const scenegen::Mesh& mesh) {
