@@ -45,7 +45,7 @@ Vec vectorOf(const Json& array, const Vec& fallback) {
 /// beyond an end, is one UsageError that names the file and the request. (Khronos, "glTF 2.0 Specification", sections 3.6 and 4.4.)
 class GltfDocument {
 public:
-    /// Throws UsageError: missing, empty, not glTF 2.0, nested too deep, or with a required extension that is not read.
+    /// Throws UsageError: not there, not glTF 2.0, nested too deep, or with a required extension that is not read.
     explicit GltfDocument(const std::filesystem::path& file);
 
     const Json& root() const { return root_; }

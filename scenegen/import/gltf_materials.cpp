@@ -1,6 +1,7 @@
 #include "scenegen/import/gltf_materials.h"
 
 #include "scenegen/gltf_highlight.h"
+#include "scenegen/import/texture_files.h"
 
 #include <fmt/format.h>
 
@@ -11,12 +12,6 @@
 // Khronos, "glTF 2.0 Specification" (2021), section 3.9.
 namespace dapple::scenegen {
 namespace {
-
-bool anyBelow(const base::Image8& image, double cutoff) {
-    for (size_t i = 3; i < image.texels.size(); i += 4)
-        if (float(image.texels[i]) / 255.0f < float(cutoff)) return true;
-    return false;
-}
 
 /// offset · rotation · scale. Angles are counter-clockwise as seen in the picture, whose v grows downwards.
 glm::dmat3 transformOf(const Json& info) {
@@ -52,7 +47,8 @@ GltfHighlight highlightOf(const Json& material) {
     return result;
 }
 
-GltfMaterials::GltfMaterials(GltfDocument& document, GltfTextures& textures) : document_(document), textures_(textures) {
+GltfMaterials::GltfMaterials(GltfDocument& document, GltfTextures& textures, SceneBuilder& builder)
+    : document_(document), textures_(textures), builder_(builder) {
     for (size_t i = 0; i < document.count("materials"); ++i) surfaces_.push_back(read(document.item("materials", i)));
     surfaces_.push_back(read(Json::object()));
 }
@@ -61,16 +57,6 @@ const GltfSurface& GltfMaterials::surfaceOf(const Json& primitive) const {
     const size_t i = document_.indexOr(primitive, "material", surfaces_.size() - 1);
     if (i >= surfaces_.size()) document_.fail(fmt::format("is damaged: asks for materials[{}], which does not exist", i));
     return surfaces_[i];
-}
-
-/// Makes the material's cut-out of opacity factor, texture and cut-off; false: nothing of it is left.
-bool GltfMaterials::cutOut(Material& material, double opacity, const std::string& mode, double cutoff) {
-    if (mode == "OPAQUE") return true;  // alpha is ignored
-    if (material.texture < 0) return opacity >= cutoff;
-    const double ofTexture = opacity > 0 ? cutoff / opacity : 2;
-    material.alphaTested = anyBelow(textures_.textures[size_t(material.texture)].image, ofTexture);
-    material.alphaCutoff = material.alphaTested ? float(std::min(ofTexture, 1.0)) : kAlphaCutoff;
-    return ofTexture <= 1 || cutoff <= 0;
 }
 
 GltfSurface GltfMaterials::read(const Json& json) {
@@ -83,30 +69,21 @@ GltfSurface GltfMaterials::read(const Json& json) {
     const std::string mode = valueOf<std::string>(json, "alphaMode", "OPAQUE");
     if (mode == "BLEND") document_.notes.add("alphaMode BLEND is drawn as a cut-out at an opacity of 1/2", m.name);
     const double cutoff = mode == "MASK" ? valueOf(json, "alphaCutoff", 0.5) : 0.5, opacity = std::clamp(colour.factor.a, 0.0, 1.0);
+    const auto add = [&](int texture) {
+        m.texture = texture;
+        // What is opaque ignores alpha, and no alpha is below 0.
+        const bool drawn = mode == "OPAQUE" || cutoff <= 0 || setOpacity(m, textures_.textures, texture, float(opacity), float(cutoff));
+        return drawn ? int(builder_.addMaterial(m)) : -1;
+    };
     GltfSurface surface;
-    Material flat = m;
-    surface.flatVisible = cutOut(flat, opacity, mode, cutoff);
-    surface.flat = surface.material = add(flat);
-    surface.visible = surface.flatVisible;
+    surface.material = surface.flat = add(-1);
     if (colour.texture->is_null()) return surface;
-    m.texture = textures_.load(document_.index(*colour.texture, "index"));
-    surface.visible = cutOut(m, opacity, mode, cutoff);
-    surface.material = add(m);
+    surface.material = add(textures_.load(document_.index(*colour.texture, "index")));
     surface.uvTransform = transformOf(*colour.texture);
     const size_t set = document_.indexOr(*colour.texture, "texCoord", 0);
     const Json& transform = extension(*colour.texture, "KHR_texture_transform");
     surface.uvSet = transform.is_null() ? set : document_.indexOr(transform, "texCoord", set);
     return surface;
-}
-
-uint32_t GltfMaterials::add(const Material& m) {
-    const auto key = [](const Material& x) {
-        return std::tuple(x.albedo.x, x.albedo.y, x.albedo.z, x.specular, x.shininess, x.texture, x.alphaTested, x.alphaCutoff);
-    };
-    const auto it = std::ranges::find_if(materials, [&](const Material& x) { return key(x) == key(m); });
-    if (it != materials.end()) return uint32_t(it - materials.begin());
-    materials.push_back(m);
-    return uint32_t(materials.size() - 1);
 }
 
 }  // namespace dapple::scenegen

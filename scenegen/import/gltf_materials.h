@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scenegen/import/gltf_textures.h"
+#include "scenegen/import/scene_builder.h"
 
 #include <string>
 #include <vector>
@@ -9,31 +10,26 @@ namespace dapple::scenegen {
 
 /// What a primitive needs to know of its material.
 struct GltfSurface {
-    uint32_t material = 0;      ///< index into GltfMaterials::materials
-    uint32_t flat = 0;          ///< the same without texture, for primitives without texture coordinates
-    bool visible = true;        ///< false: opacity and cut-off leave nothing of it
-    bool flatVisible = true;
+    int material = 0;           ///< index into FileScene::materials; -1: opacity and cut-off leave nothing of it
+    int flat = 0;               ///< the same without texture, for primitives without texture coordinates
     size_t uvSet = 0;           ///< n of TEXCOORD_n
     glm::dmat3 uvTransform{1};  ///< KHR_texture_transform
 };
 
-/// The document's materials, equal ones merged, with the textures of their colours.
+/// The document's materials in the builder's scene, with the textures of their colours.
 class GltfMaterials {
 public:
-    GltfMaterials(GltfDocument& document, GltfTextures& textures);
+    GltfMaterials(GltfDocument& document, GltfTextures& textures, SceneBuilder& builder);
 
     /// Of a primitive's "material"; the specification's default where it names none.
     const GltfSurface& surfaceOf(const Json& primitive) const;
 
-    std::vector<Material> materials;
-
 private:
     GltfSurface read(const Json& json);
-    uint32_t add(const Material& material);
-    bool cutOut(Material& material, double opacity, const std::string& mode, double cutoff);
 
     GltfDocument& document_;
     GltfTextures& textures_;
+    SceneBuilder& builder_;
     std::vector<GltfSurface> surfaces_;  ///< of each material of the file; the default at the end
 };
 

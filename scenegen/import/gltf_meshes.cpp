@@ -9,11 +9,6 @@
 
 // Khronos, "glTF 2.0 Specification" (2021), section 3.7.
 namespace dapple::scenegen {
-namespace {
-
-
-}  // namespace
-
 GltfMeshes::GltfMeshes(GltfDocument& document, const GltfMaterials& materials, SceneBuilder& builder)
     : document_(document), materials_(materials), builder_(builder) {}
 
@@ -94,11 +89,12 @@ std::optional<Mesh> GltfMeshes::readPrimitive(const Json& primitive, const std::
     const GltfSurface& surface = materials_.surfaceOf(primitive);
     const std::string uvs = fmt::format("TEXCOORD_{}", surface.uvSet);
     const bool hasUvs = source.has(uvs);
-    if (!(hasUvs ? surface.visible : surface.flatVisible)) {
+    const int material = hasUvs ? surface.material : surface.flat;
+    if (material < 0) {
         document_.notes.add("meshes that their material makes invisible are left out", name);
         return {};
     }
-    mesh.material = hasUvs ? surface.material : surface.flat;
+    mesh.material = uint32_t(material);
     if (surface.material != surface.flat && !hasUvs) document_.notes.add("textured meshes have no texture coordinates and become flat colours", name);
     if (source.has("COLOR_0")) document_.notes.add("colours of vertices are ignored", name);
 
@@ -119,7 +115,7 @@ std::optional<Mesh> GltfMeshes::readPrimitive(const Json& primitive, const std::
         mesh.positions.emplace_back(builder_.position(p));
         mesh.normals.emplace_back(base::allFinite(n) ? builder_.direction(n) : glm::dvec3(0));
     }
-    if (materials_.materials[mesh.material].texture >= 0) {
+    if (builder_.scene.materials[mesh.material].texture >= 0) {
         for (const glm::vec2& uv : source.vectors<glm::vec2>(uvs)) {
             const glm::vec2 turned(surface.uvTransform * glm::dvec3(uv, 1));
             mesh.uvs.push_back(base::allFinite(turned) ? turned : glm::vec2(0));

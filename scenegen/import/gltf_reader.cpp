@@ -73,7 +73,7 @@ void joinParts(FileScene& scene) {
 class Reader {
 public:
     Reader(GltfDocument& document, const Sidecar& sidecar)
-        : document_(document), builder_(document.file(), sidecar, 'y'), unit_(sidecar.unit.value_or(1)), textures_(document, sidecar.textures), materials_(document, textures_), meshes_(document, materials_, builder_) {}
+        : document_(document), builder_(document.file(), sidecar, 'y'), unit_(builder_.metresPerUnit()), textures_(document, sidecar.textures), materials_(document, textures_, builder_), meshes_(document, materials_, builder_) {}
 
     FileScene read() {
         for (size_t s = 0; s < document_.count("skins"); ++s)
@@ -86,7 +86,6 @@ public:
         builder_.scene.notes.add(document_.notes);
         FileScene scene = builder_.finish();
         scene.textures = std::move(textures_.textures);
-        scene.materials = std::move(materials_.materials);
         joinParts(scene);
         return scene;
     }

@@ -9,7 +9,7 @@
 
 namespace dapple::scenegen {
 
-/// OBJ (obj_file.h), and any file that Assimp opens (glTF 2.0, AC3D, Blender, COLLADA, …), as a scene.
+/// glTF 2.0 (gltf_reader.h), OBJ (obj_file.h), and any other file that Assimp opens (AC3D, Blender, COLLADA, …), as a scene.
 ///
 /// Up axis and unit: what the file or its format says (file_space.h), else y and metres. Polygons may be concave.
 /// Alpha testing and closedness are derived from the content, closed parts that face inwards are turned

@@ -102,8 +102,9 @@ void SceneBuilder::addView(const Node& node, const std::string& name, const glm:
     view.forward = glm::normalize(view.forward);
     view.up = glm::normalize(view.up);
     if (lens.fovY > 1 && lens.fovY < 170) view.fovY = lens.fovY;  // Assimp 5.2 loses the angle of COLLADA: 0.8°
-    if (lens.near > 0 && std::isfinite(lens.near)) view.near = space_.metresPerUnit * lens.near;
-    view.far = space_.metresPerUnit * lens.far > view.near && std::isfinite(lens.far) ? space_.metresPerUnit * lens.far : 0;
+    if (lens.near > 0 && std::isfinite(lens.near)) view.near = metresPerUnit() * lens.near;
+    const double far = metresPerUnit() * lens.far;
+    view.far = far > view.near && std::isfinite(far) ? far : 0;
     const auto taken = [&](const std::string& n) { return std::ranges::any_of(scene.views, [&](const View& v) { return v.name == n; }); };
     view.name = name;
     for (int number = 2; taken(view.name); ++number) view.name = fmt::format("{} {}", name, number);

@@ -30,6 +30,7 @@ public:
     /// In our axes; positions in metres.
     glm::dvec3 position(const glm::dvec3& p) const { return space_.metresPerUnit * (space_.axes * p); }
     glm::dvec3 direction(const glm::dvec3& d) const { return space_.axes * d; }
+    double metresPerUnit() const { return space_.metresPerUnit; }
 
     /// Index into FileScene::materials of one that is equal but for its name.
     uint32_t addMaterial(const Material& material);
@@ -54,7 +55,7 @@ public:
     /// Notes a distance from the origin, in metres, if float holds it in steps of more than a millimetre.
     void noteCoarse(const std::string& name, double farthest);
 
-    /// A camera, its vectors in the node's space. Of `lens`, fovY counts (degrees), near and far in units of the file (far = 0: to
+    /// A camera, its vectors in the node's space. Of `lens`, fovY counts (degrees), and near and far in units of the file (far = 0: to
     /// be chosen); what cannot be is left at its default. One without a direction is left out; names are made unique, with a note.
     void addView(const Node& node, const std::string& name, const glm::dvec3& eye, const glm::dvec3& forward, const glm::dvec3& up, const View& lens);
 
