@@ -1,6 +1,7 @@
 #include "bench/contact_sheet.h"
 
 #include "gl/context.h"
+#include "scenegen/texture_size.h"
 #include "shadow/renderer.h"
 
 #include <algorithm>
@@ -12,8 +13,9 @@ constexpr int kWidth = 640, kHeight = 480;
 constexpr size_t kMostViews = 16;
 }  // namespace
 
-void writeContactSheet(const scenegen::Scene& scene, int device, const std::filesystem::path& file) {
+void writeContactSheet(scenegen::Scene scene, int device, const std::filesystem::path& file) {
     const gl::Context context = gl::Context::headless(device);
+    scenegen::fitTextures(scene, gl::identify().maxTextureSize);
     const gpuscene::GpuScene gpu(scene);
     const int count = int(std::min(scene.views.size(), kMostViews)), columns = int(std::ceil(std::sqrt(double(count)))), rows = (count + columns - 1) / columns;
     base::Image8 sheet{columns * kWidth, rows * kHeight, 3, std::vector<uint8_t>(size_t(columns * kWidth) * size_t(rows * kHeight) * 3, 255)};

@@ -5,6 +5,7 @@
 #include "base/hash.h"
 #include "bench/gl_point.h"
 #include "bench/stress.h"
+#include "scenegen/texture_size.h"
 #include "truth/metrics.h"
 
 #include <fmt/format.h>
@@ -111,7 +112,11 @@ shadow::Limits GlWorkbench::limits() const { return {identity_.maxTextureSize, i
 
 std::shared_ptr<LoadedScene> GlWorkbench::load(const std::string& name, const std::vector<std::string>& settings, const std::string& stress) {
     auto& entry = scenes_[sceneKey(name, settings, stress)];
-    if (!entry) entry = std::make_shared<LoadedScene>(loadScene(name, settings, stress));
+    if (!entry) {
+        scenegen::Scene scene = loadScene(name, settings, stress);
+        scenegen::fitTextures(scene, identity_.maxTextureSize);
+        entry = std::make_shared<LoadedScene>(std::move(scene));
+    }
     return entry;
 }
 

@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "base/log.h"
 #include "bench/provenance.h"
 #include "bench/verbs/verbs.h"
 
@@ -73,7 +74,7 @@ int parseAndRun(int argc, char** argv) {
 
 int report(base::ExitCode code, std::string line) {
     std::replace(line.begin(), line.end(), '\n', ' ');
-    fmt::print(stderr, "dapple: {}\n", line);
+    fmt::print(stderr, "dapple: {}\n", base::printable(line));
     return static_cast<int>(code);
 }
 

@@ -167,7 +167,7 @@ private:
                               {"camera_turn_per_frame", p->turnPerFrame}, {"frames", p->frames}};
         json["seeds"] = {{"sampling", plan_.sampling.seed}};
         json["hashes"] = {{"scenes", plan_.sceneHashes}, {"shaders", shadersHash()}};
-        return json.dump(2) + "\n";
+        return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     }
 
     /// Counted from the file, because a resumed run did not see the points of the process before.

@@ -110,7 +110,7 @@ std::string sidecar(SharedFrame& shared, const shadow::Renderer& renderer, const
                {"light_matrices", matrices},
                {"suns", suns},
                {"passes", passes}};
-    return all.dump(2) + "\n";
+    return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace dapple::bench

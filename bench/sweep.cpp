@@ -85,11 +85,12 @@ MotionPath readMotion(base::ConfigTable& table) {
 PlotRequest readPlot(base::ConfigTable& table, const Sweep& sweep) {
     PlotRequest plot{table.text("x"), table.text("y", "error"), table.text("columns", "")};
     located(table, "y", [&] { measure::metricInfo(plot.y); });
-    for (const auto& [key, name] : {std::pair("x", plot.x), std::pair("columns", plot.columns)}) {
+    for (const auto& asked : {std::pair("x", plot.x), std::pair("columns", plot.columns)}) {
+        const std::string& name = asked.second;
         const bool varies = name == "variant" ? sweep.variants.size() > 1 : std::any_of(sweep.entries.begin(), sweep.entries.end(), [&](const TechniqueEntry& entry) {
             return std::any_of(entry.axes.begin(), entry.axes.end(), [&](const auto& axis) { return axis.first == name; });
         });
-        if (!name.empty() && !varies) table.fail(key, fmt::format("'{}' is neither an axis that a [[technique]] of this sweep sets nor \"variant\" of several", name));
+        if (!name.empty() && !varies) table.fail(asked.first, fmt::format("'{}' is neither an axis that a [[technique]] of this sweep sets nor \"variant\" of several", name));
     }
     if (plot.x == plot.columns) table.fail("columns", "must be another than x");
     table.finish();

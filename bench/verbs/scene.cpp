@@ -20,7 +20,7 @@ namespace {
 
 void printStats(const scenegen::Scene& scene, double seconds) {
     const scenegen::Facts f = scene.facts();
-    const auto line = [](std::string_view key, const std::string& value) { fmt::print("{:<18} {}\n", key, value); };
+    const auto line = [](std::string_view key, const std::string& value) { fmt::print("{:<18} {}\n", key, base::printable(value)); };
     const auto fact = [](bool has) { return has ? "yes" : "no"; };
     line("scene", scene.name);
     line("hash", base::hex16(scene.contentHash()));

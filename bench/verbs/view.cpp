@@ -4,6 +4,8 @@
 #include "bench/verbs/point_options.h"
 #include "bench/verbs/verbs.h"
 
+#include "scenegen/texture_size.h"
+
 #include <fmt/format.h>
 
 #define GLFW_INCLUDE_NONE
@@ -107,7 +109,7 @@ void present(GLFWwindow* window, GLuint source, int width, int height) {
 
 void show(const PointOptions& options, int frames) {
     const PointSpec spec = options.spec();
-    const scenegen::Scene scene = loadScene(spec.scene, spec.sceneSettings, spec.stressCase);
+    scenegen::Scene scene = loadScene(spec.scene, spec.sceneSettings, spec.stressCase);
     size_t named = spec.view.empty() ? 0 : scene.viewIndex(spec.view);
     const auto all = choices(scene, spec, options.overrides());
     size_t technique = 0;
@@ -116,6 +118,7 @@ void show(const PointOptions& options, int frames) {
     GLFWwindow* window = context.handle();
     glfwSwapInterval(1);
 
+    scenegen::fitTextures(scene, gl::identify().maxTextureSize);
     const gpuscene::GpuScene gpu(scene);
     scenegen::View view = scene.views[named];
     frame::Frame frame(gpu, view, spec.width, spec.height);

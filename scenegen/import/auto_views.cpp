@@ -65,7 +65,7 @@ private:
         const bool flat = (closed ? n.z : std::abs(n.z)) > 0.7f * glm::length(n);
         // Samples no farther apart than a cell, corners included: walls and poles leave no gap.
         const float longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-        const int steps = std::clamp(int(longest / cell_) + 1, 1, 4 * kMaxCells);
+        const int steps = 1 + int(std::min(longest / cell_, float(4 * kMaxCells - 1)));
         for (int i = 0; i <= steps; ++i)
             for (int j = 0; j <= steps - i; ++j) {
                 const float u = float(i) / float(steps), v = float(j) / float(steps);

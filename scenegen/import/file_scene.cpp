@@ -1,6 +1,7 @@
 #include "scenegen/import/file_scene.h"
 
 #include "base/error.h"
+#include "scenegen/import/assimp_files.h"
 #include "scenegen/import/file_space.h"
 #include "scenegen/import/normals.h"
 #include "scenegen/import/obj_file.h"
@@ -196,8 +197,12 @@ FileScene readFileScene(const fs::path& file, const Sidecar& sidecar) {
     if (fs::file_size(file, error) == 0) fail(file, "is empty");
     if (lowerExtension(file) == ".obj") return readObj(file, sidecar);
     if (lowerExtension(file) == ".ply") return readPly(file, sidecar);
+    Notes notes;
     Assimp::Importer importer;
-    return Reader(file, sidecar, load(importer, file)).read();
+    importer.SetIOHandler(new AssimpFiles(file, notes));
+    FileScene scene = Reader(file, sidecar, load(importer, file)).read();
+    scene.notes.add(notes);
+    return scene;
 }
 
 }  // namespace dapple::scenegen

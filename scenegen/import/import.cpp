@@ -22,6 +22,7 @@ namespace dapple::scenegen {
 namespace {
 namespace fs = std::filesystem;
 
+constexpr float kFarthest = 1e9f;  ///< metres; squares and cubes of such lengths are still floats
 constexpr size_t kMemory = size_t(3) << 29;  ///< bytes beyond what the program has, and so many more for each of the file's:
 constexpr size_t kMemoryPerByte = 16;
 
@@ -74,8 +75,9 @@ Scene readContent(const fs::path& file) {
     if (counts.turned > 0) content.notes.add("closed parts are wound inwards and turned outwards", "", counts.turned);
     const Facts facts = scene.facts();
     if (facts.triangles == 0) throw base::UsageError(file.string() + ": has no triangle");
-    if (!base::allFinite(facts.box.lo) || !base::allFinite(facts.box.hi))
-        throw base::UsageError(file.string() + ": its extent is beyond what float can hold");
+    const glm::vec3 reach = glm::max(glm::abs(facts.box.lo), glm::abs(facts.box.hi));
+    if (!(std::max({reach.x, reach.y, reach.z}) <= kFarthest))
+        throw base::UsageError(fmt::format("{}: reaches beyond {:g} m from its middle; is its unit right?", file.string(), kFarthest));
 
     scene.sun = sidecar.sun ? *sidecar.sun : content.sun.value_or(Sun{});
     for (View view : content.views) {

@@ -27,14 +27,4 @@ std::vector<std::string> Notes::lines() const {
     return lines;
 }
 
-std::string printable(const std::string& name) {
-    std::string text;
-    for (const char c : name) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte < 0x20 || byte == 0x7f) text += fmt::format("\\x{:02x}", byte);
-        else text += c;
-    }
-    return text;
-}
-
 }  // namespace dapple::scenegen

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/log.h"
+
 #include <map>
 #include <string>
 #include <vector>
@@ -30,7 +32,6 @@ private:
     std::map<std::string, size_t> index_;
 };
 
-/// Names come from files that nobody here wrote: control characters become \xNN, so that a terminal shows and does not obey them.
-std::string printable(const std::string& name);
+using base::printable;
 
 }  // namespace dapple::scenegen

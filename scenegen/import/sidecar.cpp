@@ -1,6 +1,7 @@
 #include "scenegen/import/sidecar.h"
 
 #include "base/config.h"
+#include "scenegen/import/file_access.h"
 #include "scenegen/import/file_kind.h"
 
 #include <fnmatch.h>
@@ -44,7 +45,10 @@ Sidecar readSidecar(const std::filesystem::path& file) {
     if (root.has("unit")) sidecar.unit = root.number("unit", 1, 1e-9, 1e9);
     sidecar.cell = root.number("cell", sidecar.cell, 1, 1e6);
     if (root.has("textures"))
-        for (const std::string& folder : root.values("textures")) sidecar.textures.push_back(path.parent_path() / folder);
+        for (const std::string& folder : root.values("textures")) {
+            sidecar.textures.push_back(path.parent_path() / folder);
+            requireInside(path, sidecar.textures.back());
+        }
     if (root.has("drop")) sidecar.drop = root.values("drop");
     if (root.has("receivers")) sidecar.receivers = root.values("receivers");
     for (base::ConfigTable& table : root.tables("copy")) {

@@ -13,7 +13,7 @@ namespace dapple::scenegen {
 ///
 ///     up = "z"                     # axis of the file that points up: x, y, z, -x, -y or -z
 ///     unit = 0.01                  # metres per unit of the file, > 0
-///     textures = ["../textures"]   # further folders to search, relative to the file
+///     textures = ["textures"]      # further folders to search, relative to the file and below its folder (file_access.h)
 ///     drop = ["BB_*", "SkyBox"]    # node names (shell patterns) whose meshes are left out; children stay
 ///     receivers = ["ground*"]      # node names whose meshes, and their children's, cast no shadow
 ///     cell = 128.0                 # metres; edge of the squares into which small static meshes are merged

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -23,7 +24,7 @@ namespace {
 
 constexpr int kOutOfMemory = 77;  ///< exit status
 constexpr char kResult = 'r', kError = 'e', kException = 'x';
-constexpr double kClockPerProcessor = 4;  ///< other programs take their share of a machine
+constexpr double kClockPerProcessor = 10;  ///< other programs take their share of a machine
 
 void lower(__rlimit_resource resource, rlim_t limit) {
     rlimit old{};
@@ -41,7 +42,7 @@ size_t addressSpace() {
 void restrain(const Child::Limits& limits) {
     // What interrupts the parent ends this process too, if it ends the parent.
     for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);
-    for (const int signal : {SIGXCPU, SIGPIPE}) std::signal(signal, SIG_DFL);
+    for (const int signal : {SIGXCPU, SIGPIPE, SIGSEGV, SIGBUS, SIGABRT}) std::signal(signal, SIG_DFL);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     lower(RLIMIT_CORE, 0);
     lower(RLIMIT_CPU, rlim_t(std::ceil(limits.seconds)));
@@ -98,6 +99,7 @@ Child::Child(const Limits& limits, const std::function<void(Output&)>& work)
     : limits_(limits), deadline_(std::chrono::steady_clock::now() + std::chrono::milliseconds(int64_t(limits.seconds * kClockPerProcessor * 1e3))) {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw UsageError(fmt::format("no pipe to another process: {}", std::strerror(errno)));
+    std::fflush(nullptr);  // what waits to be written must not be written twice
     process_ = ::fork();
     if (process_ == 0) {
         ::close(ends[0]);

@@ -15,7 +15,7 @@ namespace dapple::base {
 class Child {
 public:
     struct Limits {
-        double seconds = 10;           ///< of processor time; four times as many by the clock
+        double seconds = 10;           ///< of processor time; ten times as many by the clock
         size_t bytes = size_t(1) << 30;  ///< of memory beyond what this process has already
     };
 

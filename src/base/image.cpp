@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
@@ -38,6 +39,35 @@ namespace {
 
 constexpr std::array<std::array<const char*, 4>, 4> kChannelNames{{{"Y"}, {"R", "G"}, {"R", "G", "B"}, {"R", "G", "B", "A"}}};
 
+/// Before memory is asked for: a few bytes of header can stand for gigabytes of texels.
+void requireSize(size_t width, size_t height, size_t fileBytes, const std::string& name) {
+    constexpr size_t kFree = size_t(1) << 26, kPerByte = 64;
+    const size_t most = std::max(kFree, kPerByte * fileBytes);
+    if (width > 0 && height > most / width)
+        throw UsageError(fmt::format("{}: {} × {} texels are too many for an image of {} bytes", name, width, height, fileBytes));
+}
+
+/// Bytes of texels that a BMP or TGA of this size has at least; 0 for other formats.
+size_t leastBytes(std::span<const uint8_t> b, size_t width, size_t height) {
+    if (b.size() < 30) return b.size() < 18 ? 0 : width * height;
+    const auto u16 = [&](size_t i) { return size_t(b[i + 1]) << 8 | b[i]; };
+    if (b[0] == 'B' && b[1] == 'M') return width * height * u16(28) / 8;
+    const bool raw = b[2] >= 1 && b[2] <= 3, packed = b[2] >= 9 && b[2] <= 11;  // 128 texels a packet
+    if ((!raw && !packed) || u16(12) != width || u16(14) != height) return 0;
+    const size_t texel = (size_t(b[16]) + 7) / 8;
+    return raw ? width * height * texel : width * height / 128 * (1 + texel);
+}
+
+/// Throws for what stb_image would make room for without having the bytes.
+void requireSize(std::span<const uint8_t> bytes, const std::string& name) {
+    int w = 0, h = 0, channels = 0;
+    if (bytes.size() > size_t(std::numeric_limits<int>::max())) throw UsageError(fmt::format("{}: more than 2 GiB in one image", name));
+    if (!stbi_info_from_memory(bytes.data(), int(bytes.size()), &w, &h, &channels)) return;  // the decoder says why
+    requireSize(size_t(w), size_t(h), bytes.size(), name);
+    if (leastBytes(bytes, size_t(w), size_t(h)) > bytes.size())
+        throw UsageError(fmt::format("{}: truncated: {} bytes for {} × {} texels", name, bytes.size(), w, h));
+}
+
 bool isSgi(std::span<const uint8_t> b) { return b.size() > 512 && b[0] == 0x01 && b[1] == 0xda; }
 
 /// SGI image file format 1.0 (Haeberli): planar channels, rows from the bottom, optional run-length coding.
@@ -48,6 +78,7 @@ Image8 decodeSgi(std::span<const uint8_t> b, const std::string& name) {
     const bool packed = b[2] == 1;
     const size_t w = u16(6), h = u16(8), c = u16(4) >= 3 ? u16(10) : 1;
     if (b[3] != 1 || w == 0 || h == 0 || c == 0 || c > 4) throw fail();
+    requireSize(w, h, b.size(), name);
     if (packed && b.size() < 512 + 8 * h * c) throw fail();
     if (!packed && b.size() < 512 + w * h * c) throw fail();
 
@@ -103,6 +134,7 @@ Image8 decodeImage(std::span<const uint8_t> bytes, const std::string& name) {
     const std::array<uint8_t, 8> pngSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     if (bytes.size() >= 8 && std::equal(pngSignature.begin(), pngSignature.end(), bytes.begin()) && !isIntactPng(bytes))
         throw UsageError(fmt::format("{}: damaged or truncated PNG image", name));
+    requireSize(bytes, name);
     int w = 0, h = 0, channels = 0;
     stbi_uc* texels = stbi_load_from_memory(bytes.data(), int(bytes.size()), &w, &h, &channels, 4);
     if (!texels) throw UsageError(fmt::format("{}: not an image that can be read ({})", name, stbi_failure_reason()));
@@ -120,6 +152,7 @@ ImageF readPng16(const fs::path& path) {
     const std::string bytes = readFile(path);
     const std::span<const uint8_t> data{reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()};
     if (!isIntactPng(data)) throw UsageError(fmt::format("{}: not a PNG image, or damaged", path.string()));
+    requireSize(data, path.string());
     int w = 0, h = 0, channels = 0;
     stbi_us* texels = stbi_load_16_from_memory(data.data(), int(data.size()), &w, &h, &channels, 0);
     if (!texels) throw UsageError(fmt::format("{}: not an image that can be read ({})", path.string(), stbi_failure_reason()));
@@ -129,6 +162,7 @@ ImageF readPng16(const fs::path& path) {
 }
 
 std::string inflate(const std::string& packed, size_t size) {
+    if (size / 1032 > packed.size()) throw std::runtime_error("deflate packs no more than 1032 bytes into one");
     // The decoder reads a few bytes ahead and takes the end of its input for damage.
     const std::string padded = packed + std::string(8, '\0');
     std::string bytes(size, '\0');
@@ -186,6 +220,7 @@ ImageF readExr(const fs::path& path) {
         for (int c = 0; c < image.channels; ++c)
             if (!file.header().channels().findChannel(kChannelNames[size_t(image.channels) - 1][size_t(c)]))
                 throw std::runtime_error("its channels are not Y; R, G; R, G, B or R, G, B, A");
+        requireSize(size_t(image.width) * size_t(image.channels), size_t(image.height), fs::file_size(path), "its header");
         if (window.min.x != 0 || window.min.y != 0) throw std::runtime_error("its data window does not start at 0, 0");
         image.texels.resize(size_t(image.width) * size_t(image.height) * size_t(image.channels));
         Imf::FrameBuffer frame;

@@ -24,7 +24,8 @@ struct ImageF {
 };
 
 /// Decodes PNG, JPEG, WebP, TGA, BMP or SGI (.rgb) bytes into RGBA. `name` is used in the message of the
-/// UsageError that is thrown when the bytes are not one of these or are damaged.
+/// UsageError that is thrown when the bytes are not one of these, are damaged, or ask for more texels than a file of their
+/// size may: 8192², and beyond that 64 for each byte.
 Image8 decodeImage(std::span<const uint8_t> bytes, const std::string& name);
 Image8 readImage(const std::filesystem::path& path);
 

@@ -6,7 +6,12 @@
 
 namespace dapple::base {
 
+/// Names come from files that nobody here wrote. Control characters, and bytes that are not UTF-8, become \xNN, so that a
+/// terminal shows them and does not obey.
+std::string printable(std::string_view text);
+
 /// Everything a person reads while the program runs goes to stderr; stdout carries data only. Nothing is coloured.
+/// Lines are made printable().
 void logInfo(std::string_view line);
 void logWarning(std::string_view line);
 

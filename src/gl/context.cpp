@@ -1,6 +1,7 @@
 #include "gl/context.h"
 
 #include "base/error.h"
+#include "gl/address_space.h"
 
 #include <dlfcn.h>
 #include <epoxy/egl.h>
@@ -100,6 +101,7 @@ std::vector<DeviceInfo> listDevices() {
 
 Context Context::headless(int device) {
     requireLibraries(true);
+    guardAddressSpace();
     const std::vector<EGLDeviceEXT> devices = eglDevices();
     std::vector<std::string> tried;
     Context result;
@@ -137,6 +139,7 @@ Context Context::headless(int device) {
 }
 
 Context Context::window(int width, int height, const std::string& title) {
+    guardAddressSpace();
     const auto fail = [](const std::string& what) -> base::UsageError {
         const char* reason = nullptr;
         glfwGetError(&reason);
@@ -161,6 +164,7 @@ Context::Context(Context&& other) noexcept
       context_(std::exchange(other.context_, nullptr)), window_(std::exchange(other.window_, nullptr)) {}
 
 Context::~Context() {
+    if (leaveObjects()) return;
     if (context_) {
         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         eglDestroyContext(display_, context_);

@@ -1,6 +1,7 @@
 #include "gl/objects.h"
 
 #include "base/error.h"
+#include "gl/address_space.h"
 #include "gl/context.h"
 
 #include <fmt/format.h>
@@ -10,11 +11,11 @@
 
 namespace dapple::gl {
 
-void deleteBuffer(GLuint name) { glDeleteBuffers(1, &name); }
-void deleteTexture(GLuint name) { glDeleteTextures(1, &name); }
-void deleteFramebuffer(GLuint name) { glDeleteFramebuffers(1, &name); }
-void deleteVertexArray(GLuint name) { glDeleteVertexArrays(1, &name); }
-void deleteSampler(GLuint name) { glDeleteSamplers(1, &name); }
+void deleteBuffer(GLuint name) { if (!leaveObjects()) glDeleteBuffers(1, &name); }
+void deleteTexture(GLuint name) { if (!leaveObjects()) glDeleteTextures(1, &name); }
+void deleteFramebuffer(GLuint name) { if (!leaveObjects()) glDeleteFramebuffers(1, &name); }
+void deleteVertexArray(GLuint name) { if (!leaveObjects()) glDeleteVertexArrays(1, &name); }
+void deleteSampler(GLuint name) { if (!leaveObjects()) glDeleteSamplers(1, &name); }
 
 VertexArray makeVertexArray() {
     GLuint name = 0;

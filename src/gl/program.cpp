@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "gl/address_space.h"
 
 #include <fmt/format.h>
 #include <glm/gtc/type_ptr.hpp>
@@ -87,7 +88,7 @@ GLuint compile(GLenum stage, const std::string& file, const std::vector<std::str
 
 }  // namespace
 
-void deleteProgram(GLuint name) { glDeleteProgram(name); }
+void deleteProgram(GLuint name) { if (!leaveObjects()) glDeleteProgram(name); }
 
 Program::Program(const std::string& vertex, const std::string& fragment, const std::vector<std::string>& defines)
     : Program({{GL_VERTEX_SHADER, vertex}, {GL_FRAGMENT_SHADER, fragment}}, defines) {}

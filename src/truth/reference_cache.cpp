@@ -74,7 +74,7 @@ std::optional<Reference> decode(std::string_view bytes, uint64_t key, int width,
     expected.payloadHash = hashOf(payload);
     if (std::memcmp(bytes.data(), &expected, sizeof expected) != 0) return std::nullopt;
     Reference reference{width, height, std::vector<Label>(pixels), std::vector<float>(translucent ? pixels : 0)};
-    std::memcpy(reference.transmitted.data(), payload.data() + labels, reference.transmitted.size() * sizeof(float));
+    if (translucent) std::memcpy(reference.transmitted.data(), payload.data() + labels, pixels * sizeof(float));
     for (size_t i = 0; i < pixels; ++i) reference.label[i] = Label((uint8_t(payload[i / 4]) >> (2 * (i % 4))) & 3);
     return reference;
 }

@@ -71,9 +71,10 @@ TEST(Child, CrashesEndTheChildAlone) {
 }
 
 TEST(Child, EndlessLoopsAreCutOff) {
-    EXPECT_EQ(failureOf({.seconds = 1}, [](Child::Output&) { for (;;) std::time(nullptr); }), "takes longer than 1 s");
+    // 1 s of processor time, unless a busy machine does not give it in ten.
+    EXPECT_EQ(failureOf({.seconds = 1}, [](Child::Output&) { for (;;) std::time(nullptr); }).find("takes longer than 1"), 0u);
     // Asleep it spends no processor time.
-    EXPECT_EQ(failureOf({.seconds = 0.25}, [](Child::Output&) { for (;;) ::pause(); }), "takes longer than 1 s");
+    EXPECT_EQ(failureOf({.seconds = 0.2}, [](Child::Output&) { for (;;) ::pause(); }), "takes longer than 2 s");
 }
 
 #ifndef __SANITIZE_ADDRESS__

@@ -4,6 +4,8 @@
 #include "base/file.h"
 #include "base/random.h"
 
+#include <sys/resource.h>
+
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -180,6 +182,98 @@ TEST(Sgi, RefusesDamage) {
         refuse(512 + 8 * 15, "\x7f", 1);                      // a packet that reaches beyond the row's bytes
         refuse(512 + 8 * 15, "\0", 1);                        // a row that ends before its last column
     }
+}
+
+std::string little16(size_t v) { return {char(v & 0xff), char(v >> 8)}; }
+
+std::string tgaHeader(char type, size_t width, size_t height, char bits) {
+    return std::string{0, 0, type, 0, 0, 0, 0, 0, 0, 0, 0, 0} + little16(width) + little16(height) + std::string{bits, 0x20};
+}
+
+std::string bmpHeader(uint32_t width, uint32_t height) {
+    std::string file = "BM" + std::string(12, '\0') + std::string{40, 0, 0, 0};
+    file[10] = 54;
+    for (const uint32_t side : {width, height}) file += little16(side & 0xffff) + little16(side >> 16);
+    return file + std::string{1, 0, 24, 0} + std::string(24, '\0');
+}
+
+/// Memory of this process at its highest, bytes.
+size_t peakMemory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return size_t(usage.ru_maxrss) * 1024;
+}
+
+TEST(Sizes, HeadersThatAskForMoreThanThereIsAreRefusedBeforeMemoryIs) {
+    const size_t before = peakMemory();
+    const auto refused = [](const std::string& bytes) { expectHolds(errorLine([&] { decodeImage(asBytes(bytes), "small.img"); }), "small.img"); };
+    refused(tgaHeader(2, 32768, 32768, 24) + "x");
+    refused(tgaHeader(2, 4000, 4000, 32) + "some");
+    refused(tgaHeader(10, 30000, 30000, 32) + std::string(400, '\x7f'));
+    refused(tgaHeader(10, 4096, 4096, 24) + std::string(1000, '\x7f'));
+    refused(bmpHeader(20000, 20000) + std::string(100, 'x'));
+    refused(bmpHeader(3000, 3000) + std::string(100, 'x'));
+    // All rows of a packed SGI image may be one and the same.
+    std::string rows = std::string("\x01\xda\x01\x01\x00\x03\xff\xff\xff\xff\x00\x03", 12);
+    rows.resize(512 + 8 * 65535 * 3);
+    refused(rows + "\x7f" "A");
+    EXPECT_LT(peakMemory(), before + (size_t(64) << 20));
+}
+
+TEST(Sizes, RunLengthCodedImagesAreRead) {
+    std::string packed = tgaHeader(10, 1024, 1024, 24);
+    for (int i = 0; i < 1024 * 1024 / 128; ++i) packed += "\xff" "abc";  // the most that 4 bytes can hold
+    const Image8 image = decodeImage(asBytes(packed), "flat.tga");
+    EXPECT_EQ(image.width, 1024);
+    EXPECT_EQ(rgba(image, 1023, 1023), (std::array<uint8_t, 4>{'c', 'b', 'a', 255}));
+}
+
+TEST(Sizes, FlatImagesOfUsualSizesAreRead) {
+    const Image8 flat{1024, 1024, 1, std::vector<uint8_t>(size_t(1024) * 1024, 255)};
+    const std::string png = encodePng(flat);
+    EXPECT_LT(png.size() * 64, flat.texels.size());
+    EXPECT_EQ(decodeImage(asBytes(png), "flat.png").width, 1024);
+}
+
+/// CRC of a PNG's chunk (PNG, third edition, annex D), bit by bit.
+uint32_t crc(std::string_view bytes) {
+    uint32_t c = ~0u;
+    for (const char byte : bytes) {
+        c ^= uint8_t(byte);
+        for (int k = 0; k < 8; ++k) c = (c >> 1) ^ (c & 1 ? 0xedb88320u : 0u);
+    }
+    return ~c;
+}
+
+TEST_F(ImageTest, PngOfManyTexelsInFewBytesIsRefused) {
+    std::string png = encodePng(noise(4, 4, 1));
+    const auto big32 = [&](size_t at, uint32_t v) { for (size_t k = 0; k < 4; ++k) png[at + k] = char(v >> (24 - 8 * k)); };
+    big32(16, 16000), big32(20, 16000);
+    big32(29, crc(std::string_view(png).substr(12, 17)));
+    const size_t before = peakMemory();
+    expectHolds(errorLine([&] { decodeImage(asBytes(png), "bomb.png"); }), "16000 × 16000");
+    writeFile(folder_ / "bomb.png", png);
+    expectHolds(errorLine([&] { readGrey16(folder_ / "bomb.png"); }), "16000 × 16000");
+    EXPECT_LT(peakMemory(), before + (size_t(64) << 20));
+}
+
+TEST(Inflate, RefusesWhatCannotBe) {
+    EXPECT_THROW(inflate("few bytes", size_t(1) << 30), std::runtime_error);
+}
+
+TEST_F(ImageTest, ExrHeaderThatAsksForGigabytesIsRefused) {
+    writeExr(folder_ / "a.exr", ImageF{2, 2, 1, {1, 2, 3, 4}});
+    std::string bytes = readFile(folder_ / "a.exr");
+    const int32_t far = 60000;
+    for (const char* name : {"dataWindow", "displayWindow"}) {
+        const size_t at = bytes.find(name) + std::strlen(name) + 1 + 6 + 4 + 8;  // "box2i", its size, xMin, yMin
+        std::memcpy(&bytes[at], &far, 4);
+        std::memcpy(&bytes[at + 4], &far, 4);
+    }
+    writeFile(folder_ / "large.exr", bytes);
+    const size_t before = peakMemory();
+    expectHolds(errorLine([&] { readExr(folder_ / "large.exr"); }), "large.exr");
+    EXPECT_LT(peakMemory(), before + (size_t(64) << 20));
 }
 
 }  // namespace

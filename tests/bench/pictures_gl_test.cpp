@@ -90,7 +90,7 @@ TEST(InstancedVolumes, HaveNoFragmentsWhereNoLightArrivesThoughTheyHoldTheEye) {
             SCOPED_TRACE(std::string(cull) + " " + apply);
             const shadow::TechniqueInfo& info = shadow::technique("instanced");
             shadow::Renderer renderer(stage.frame, info, shadow::resolve(info, {{"size", "128"}, {"cull", cull}, {"apply", apply}}));
-            const base::ImageF fragments = renderer.overdraw();
+            const base::ImageF fragments = renderer.volumeOverdraw().value();
             const std::vector<float> visibility = renderer.visibility();
             const std::vector<uint8_t> asks = stage.frame.readValidity();
             const truth::Receivers receivers = stage.frame.readReceivers();

@@ -2,7 +2,10 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/random.h"
+#include "scenegen/import/file_access.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -74,6 +77,85 @@ TEST_F(HostileFiles, WhatIsNoFileIsRefusedAtOnce) {
     EXPECT_NE(refusal("folder.obj").find("is a folder"), std::string::npos);
     EXPECT_NE(refusal("missing.obj").find("no such file"), std::string::npos);
     EXPECT_NE(refusal("empty.obj", "").find("is empty"), std::string::npos);
+}
+
+/// A triangle in OBJ, its material from `library`.
+std::string triangle(const std::string& library) {
+    return "mtllib " + library + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n";
+}
+
+TEST_F(HostileFiles, NothingOutsideTheFolderIsRead) {
+    const std::string red = "newmtl m\nKd 1 0 0\n";
+    base::writeFile(folder_ / "scene/in/m.mtl", red);
+    base::writeFile(folder_ / "secret.mtl", red);
+    fs::create_symlink(folder_ / "secret.mtl", folder_ / "scene/link.mtl");
+    const auto isRed = [&](const std::string& library) {
+        base::writeFile(folder_ / "scene/t.obj", triangle(library));
+        const Scene scene = importFile(folder_ / "scene/t.obj");
+        const bool found = scene.materials[0].albedo.r > 0.9f && scene.materials[0].albedo.g < 0.1f;
+        EXPECT_EQ(scene.notes.empty(), found) << library;
+        return found;
+    };
+    const std::vector<std::string> outside{"../secret.mtl", "link.mtl", "in/../../secret.mtl"};
+    EXPECT_TRUE(isRed("in/m.mtl"));
+    for (const std::string& library : outside) EXPECT_FALSE(isRed(library)) << library;
+    base::writeFile(folder_ / "scene/t.obj", triangle((folder_ / "secret.mtl").string()));
+    EXPECT_LT(importFile(folder_ / "scene/t.obj").materials[0].albedo.r, 0.9f);
+    allowOutside(true);
+    for (const std::string& library : outside) EXPECT_TRUE(isRed(library)) << library;
+    allowOutside(false);
+}
+
+TEST_F(HostileFiles, SidecarsReachNoFurther) {
+    base::writeFile(folder_ / "scene/t.obj", triangle("m.mtl"));
+    base::writeFile(folder_ / "scene/t.toml", "textures = [\"../other\"]\n");
+    EXPECT_THROW(importFile(folder_ / "scene/t.obj"), base::UsageError);
+    base::writeFile(folder_ / "scene/t.toml", "textures = [\"below\"]\n");
+    EXPECT_NO_THROW(importFile(folder_ / "scene/t.obj"));
+}
+
+TEST_F(HostileFiles, CoordinatesBeyondAllMeasureAreRefused) {
+    for (const char* far : {"3e38", "1e30", "-4e9", "1e300"})
+        EXPECT_NE(refusal("far.obj", fmt::format("v 0 0 0\nv {} 0 0\nv 0 {} 0\nf 1 2 3\n", far, far)), "") << far;
+}
+
+/// One small scene in formats that other people's readers read, each damaged at random places: it is read or refused, and
+/// nothing else happens. (A crash of this process, or an exception of another kind, fails the test.)
+TEST_F(HostileFiles, DamagedFilesAreReadOrRefused) {
+    const std::string ascii = ply("3", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    std::string stl(84 + 50, '\0');
+    stl[80] = 1;
+    for (int k = 0; k < 3; ++k) stl[size_t(84 + 12 + 12 * k + 4 * k + 3)] = 0x3f;  // one coordinate of each corner
+    const std::vector<std::pair<std::string, std::string>> files{
+        {"a.ply", ascii},
+        {"a.stl", stl},
+        {"a.obj", triangle("a.mtl") + "f 1 2 3\nf -1 -2 -3\n"},
+        {"a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+        {"a.raw", "0 0 0 1 0 0 0 1 0\n"},
+        {"a.ac", "AC3Db\nMATERIAL \"\" rgb 1 1 1 amb 1 1 1 emis 0 0 0 spec 0 0 0 shi 0 trans 0\nOBJECT world\nkids 1\nOBJECT poly\nnumvert 3\n"
+                 "0 0 0\n1 0 0\n0 1 0\nnumsurf 1\nSURF 0x20\nmat 0\nrefs 3\n0 0 0\n1 1 0\n2 0 1\nkids 0\n"},
+        {"a.x", "xof 0303txt 0032\nMesh m {\n3;\n0;0;0;,\n1;0;0;,\n0;1;0;;\n1;\n3;0,1,2;;\n}\n"},
+    };
+    base::Random random(20261129, 1, 2);
+    int read = 0, refused = 0;
+    for (const auto& [name, good] : files)
+        for (int round = 0; round < 24; ++round) {
+            std::string bad = good;
+            for (int k = round % 4; k >= 0 && round > 0; --k) {
+                const size_t at = size_t(random.next(0, float(bad.size())));
+                switch (int(random.next(0, 4))) {
+                    case 0: bad[at] = char(int(random.next(0, 256))); break;
+                    case 1: bad.insert(at, std::string(1 + size_t(random.next(0, 9)), "9-e. \n{0\xff"[int(random.next(0, 9))])); break;
+                    case 2: bad.erase(at, size_t(random.next(0, 12))); break;
+                    default: bad += bad.substr(at); break;
+                }
+                if (bad.empty()) bad = "x";
+            }
+            SCOPED_TRACE(testing::Message() << name << " of round " << round);
+            ++(refusal(name, bad).empty() ? read : refused);
+        }
+    EXPECT_GE(read, int(files.size()));  // those of round 0 are whole
+    EXPECT_GT(refused, 0);
 }
 
 }  // namespace
