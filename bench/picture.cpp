@@ -5,6 +5,7 @@
 #include "base/file_name.h"
 #include "bench/light_picture.h"
 #include "bench/sidecar.h"
+#include "frame/error_picture.h"
 #include "frame/overlays.h"
 #include "truth/metrics.h"
 
@@ -151,7 +152,7 @@ void renderPicture(GlWorkbench& workbench, const PointSpec& spec, const std::str
         const base::Image8 shaded = frame.readShaded();
         const std::vector<float> v = renderer.visibility();
         const truth::Reference& reference = shared->reference();
-        picture = what == "error" ? frame::paintError(shaded, reference, v) : frame::paintReference(reference);
+        picture = what == "error" ? frame::paintErrorSheet(shaded, reference, v) : frame::paintReference(reference);
         values = judged(reference, what == "error" ? &v : nullptr);
     }
     if (numbers) base::writeExr(file, values);

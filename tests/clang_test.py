@@ -31,7 +31,7 @@ def flags():
                    if Path(e["file"]) == SOURCE / "bench/run.cpp")
     kept = [w for w in shlex.split(command) if w.startswith(("-D", "-I", "-W", "-f", "-std")) and w != "-Wno-restrict"]
     isystem = re.findall(r"-isystem (\S+)", command)
-    return kept + [w for path in isystem for w in ("-isystem", path)] + [f'-DDAPPLE_SOURCE_DIR="{SOURCE}"']
+    return kept + [w for path in isystem for w in ("-isystem", path)] + [f'-DDAPPLE_SOURCE_DIR="{SOURCE}"', '-DDAPPLE_VERSION=""']
 
 
 FLAGS = flags()

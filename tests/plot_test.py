@@ -197,7 +197,7 @@ def testCurves(top):
     check("variants of one number make an axis with its name", {"10", "45", "80", "sun.elevation, degrees"} <= set(texts) and len(done.stderr.splitlines()) == 1
           and "has no manifest.json" in done.stderr,
           (texts, done.stderr))
-    check("the sweep's metric is the one drawn", "Mean error by sun.elevation: forest-small · 1024×768 · near" in texts, texts)
+    check("the sweep's metric is the one drawn", "Mean error by sun.elevation: forest-small · 1024×768 · near" in " ".join(texts), texts)
     run = FakeRun()
     for radius in ("640", "1280"):
         run.add("unshadowed", 10.0, 0.3, variant=f"radius={radius}", bytesOf=0)

@@ -79,8 +79,7 @@ const aiScene& load(Assimp::Importer& importer, const fs::path& file) {
 class Reader {
 public:
     Reader(const fs::path& file, const Sidecar& sidecar, const aiScene& scene)
-        : file_(file),
-          builder_(file, sidecar, spaceOf(scene, file, notes_)),
+        : builder_(file, sidecar, spaceOf(scene, file, notes_)),
           scene_(scene),
           materials_(readFileMaterials(scene, file, sidecar, builder_)) {
         builder_.scene.notes.add(notes_);
@@ -179,7 +178,6 @@ private:
         }
     }
 
-    const fs::path& file_;
     Notes notes_;  ///< of unit and axes
     SceneBuilder builder_;
     const aiScene& scene_;

@@ -2,6 +2,7 @@
 
 #include "base/child.h"
 #include "base/error.h"
+#include "base/file_name.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "scenegen/import/auto_views.h"
@@ -97,8 +98,13 @@ Scene readContent(const fs::path& file) {
 /// Readers of other people's formats crash, run away and ask for all memory on some files: a child process reads.
 Scene readInChild(const fs::path& file) {
     try {
-        base::Child child(limitsFor(file), [&](base::Child::Output& out) { put(out, readContent(file)); });
-        return getScene(child);
+        base::Child child(limitsFor(file), [&](base::Child::Output& out) {
+            put(out, readContent(file));
+            put(out, base::notedInputs());
+        });
+        Scene scene = getScene(child);
+        for (const std::string& input : getFiles(child)) base::noteInput(input);
+        return scene;
     } catch (const base::Child::Failure& e) {
         throw base::UsageError(fmt::format("{}: cannot be read: its reader {}", file.string(), e.what()));
     }

@@ -100,4 +100,12 @@ Scene getScene(base::Child& child) {
     return scene;
 }
 
+void put(base::Child::Output& out, const std::vector<std::string>& files) { Writer{out}.one(files); }
+
+std::vector<std::string> getFiles(base::Child& child) {
+    std::vector<std::string> files;
+    Reader{child}.one(files);
+    return files;
+}
+
 }  // namespace dapple::scenegen

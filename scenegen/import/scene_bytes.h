@@ -9,4 +9,8 @@ namespace dapple::scenegen {
 void put(base::Child::Output& out, const Scene& scene);
 Scene getScene(base::Child& child);
 
+/// The same of the files that were read for it.
+void put(base::Child::Output& out, const std::vector<std::string>& files);
+std::vector<std::string> getFiles(base::Child& child);
+
 }  // namespace dapple::scenegen

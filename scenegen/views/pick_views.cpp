@@ -24,9 +24,10 @@ std::vector<View> pickViews(const Scene& scene, const std::vector<View>& candida
     const double extent = candidates.empty() ? 0 : std::max(stands.hi.x - stands.lo.x, stands.hi.y - stands.lo.y);
     std::vector<View> picked;
     for (const double apart : {kApart, 0.2 * kApart})
-        for (const auto& [score, view] : ranked) {
-            const auto isNear = [&](const View& other) { return glm::distance(other.eye, view->eye) < apart * extent; };
-            if (picked.size() < count && std::ranges::none_of(picked, isNear)) picked.push_back(*view);
+        for (const auto& scored : ranked) {
+            const View& view = *scored.second;
+            const auto isNear = [&](const View& other) { return glm::distance(other.eye, view.eye) < apart * extent; };
+            if (picked.size() < count && std::ranges::none_of(picked, isNear)) picked.push_back(view);
         }
     return picked;
 }

@@ -53,6 +53,11 @@ void noteInput(const fs::path& path) {
     inputs().paths.insert(path);
 }
 
+std::vector<std::string> notedInputs() {
+    const std::scoped_lock lock(inputs().mutex);
+    return {inputs().paths.begin(), inputs().paths.end()};
+}
+
 void requireNotAnInput(const fs::path& path) {
     const std::scoped_lock lock(inputs().mutex);
     for (const fs::path& input : inputs().paths) {

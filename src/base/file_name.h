@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace dapple::base {
 
@@ -13,6 +14,8 @@ std::string fileName(std::string_view name);
 
 /// Remembers that the user's file `path` is being read as input.
 void noteInput(const std::filesystem::path& path);
+/// All that noteInput() knows: a child process that reads for this one has to tell.
+std::vector<std::string> notedInputs();
 /// Throws UsageError if `path` is a file that noteInput() knows, by whatever path or link.
 void requireNotAnInput(const std::filesystem::path& path);
 

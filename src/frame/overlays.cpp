@@ -32,7 +32,7 @@ Colour heat(double t) {
     return c;
 }
 
-constexpr Colour kAmbiguous{255, 0, 255}, kExcluded{74, 85, 104}, kFalseShadow{230, 30, 30}, kFalseLight{40, 110, 255};
+constexpr Colour kAmbiguous{255, 0, 255}, kExcluded{74, 85, 104};
 constexpr std::array<double, 3> kCandidateLit{0.5, 1, 0.45}, kCandidateDark{0.8, 0.05, 0.05};
 
 /// Lightness of a pixel of a picture, 0 … 1.
@@ -52,17 +52,6 @@ base::Image8 paintReference(const truth::Reference& reference) {
             case truth::Label::ambiguous: return kAmbiguous;
             default: return kExcluded;
         }
-    });
-}
-
-base::Image8 paintError(const base::Image8& shaded, const truth::Reference& reference, std::span<const float> visibility) {
-    return paint(reference.width, reference.height, [&](size_t i) -> Colour {
-        const truth::Label label = reference.label[i];
-        const bool dark = visibility[i] < 0.5f;
-        if (label == truth::Label::lit && dark) return kFalseShadow;
-        if (label == truth::Label::shadowed && !dark) return kFalseLight;
-        if (label == truth::Label::ambiguous) return kAmbiguous;
-        return grey(0.55 + 0.4 * lightness(&shaded.texels[i * 3]));
     });
 }
 

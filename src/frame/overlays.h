@@ -13,8 +13,6 @@ namespace dapple::frame {
 base::Image8 paintVisibility(std::span<const float> visibility, int width, int height);
 /// Lit white, shadowed black, between them what translucent casters let through; ambiguous magenta, excluded slate.
 base::Image8 paintReference(const truth::Reference& reference);
-/// Over a faded picture: false shadow red, false light blue, ambiguous magenta.
-base::Image8 paintError(const base::Image8& shaded, const truth::Reference& reference, std::span<const float> visibility);
 /// Fragments per pixel, black (none) through violet, orange to pale yellow (32 and more), logarithmic.
 base::Image8 paintOverdraw(const base::ImageF& counts);
 /// Over a faded, dimmed picture: candidate pixels (in at least one volume) lit green, in shadow red (Buntin & Stamminger

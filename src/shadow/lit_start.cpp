@@ -54,6 +54,7 @@ void LitStart::setUnlit(float depth, measure::Ledger& tally) {
     glDisable(GL_CULL_FACE);
     glDisable(GL_STENCIL_TEST);
     draw(depth, tally);
+    ++tally.trianglesSubmitted;  // in a pass whose other triangles are counted
     glBindFramebuffer(GL_FRAMEBUFFER, GLuint(target));
     glColorMask(colours[0], colours[1], colours[2], colours[3]);
     glDepthMask(writesDepth);

@@ -1,5 +1,7 @@
+#include "base/error.h"
 #include "base/image.h"
 #include "scenegen/files.h"
+#include "scenegen/import/file_access.h"
 
 #include <algorithm>
 
@@ -76,11 +78,14 @@ TEST_F(MaterialsOfFiles, texturesOutsideTheFolderAreNotRead) {
         EXPECT_TRUE(hasNote(scene, "files outside the scene's folder are not read")) << name;
         EXPECT_TRUE(scene.textures.empty()) << name;
     }
-    // What a person names in the sidecar may lie anywhere.
+    // Nor what a sidecar names, unless a person allows it.
     std::string other = text;
     write("in/t.x", other.replace(other.find("unused.png"), 10, "secret.png"));
     write("in/t.toml", "textures = [\"..\"]\n");
+    EXPECT_THROW(importFile(folder_ / "in/t.x"), base::UsageError);
+    allowOutside(true);
     EXPECT_EQ(importFile(folder_ / "in/t.x").textures.size(), 1u);
+    allowOutside(false);
 }
 
 TEST_F(MaterialsOfFiles, hugeTexturesAreOneLine) {

@@ -68,7 +68,7 @@ scenegen::Scene turned(scenegen::Scene scene, double radians) {
 // the world turned the other way under the old sun, with maps of its own. Six maps are fewer than either species has yaws.
 TEST_F(MovingSun, AzimuthTurnsTheLookUpAndNotTheMaps) {
     const scenegen::View& view = scene_.views[scene_.viewIndex("above")];
-    for (const double degrees : {17.0, -140.0}) {
+    for (const double degrees : {20.0, -140.0}) {
         const scenegen::Scene other = turned(scene_, glm::radians(degrees));  // azimuths run clockwise, rotations against it
         const gpuscene::GpuScene otherGpu(other);
         scenegen::Sun later = scene_.sun;
