@@ -21,7 +21,7 @@ class GltfMaterials {
 public:
     GltfMaterials(GltfDocument& document, GltfTextures& textures, SceneBuilder& builder);
 
-    /// Of a primitive's "material"; the specification's default where it names none.
+    /// The material of a primitive; the specification's default where the primitive names none.
     const GltfSurface& surfaceOf(const Json& primitive) const;
 
 private:

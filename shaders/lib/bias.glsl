@@ -19,7 +19,7 @@ const float kUsual = 8.0;
 
 float facingOf(vec3 normal, vec3 light) { return max(-dot(normal, light), kGrazing); }
 
-// Of a plane, per texel along the map's two axes, as depths along the light; `doubt`: by which it may be wrong;
+// Slope of a plane per texel along the map's two axes, as depths along the light; `doubt`: by which it may be wrong;
 // `texel`: the longer side of the local texel's footprint across the light. In metres, or all three in another unit.
 struct Slope {
     vec2 perTexel, doubt;

@@ -87,7 +87,7 @@ void mark(vec4 square, vec2 texels) {
 #define mark(square, texels)
 #endif
 
-// Of the receiver's plane, in depths of map m, whose object has turned against the caster.
+// The receiver's plane in depths of map m, whose object has turned against the caster.
 Slope slopeIn(CasterMap m, Caster c, vec3 normal) {
     Basis b = basisOf(m);
     vec3 n = vec3(m.turn.x * normal.x - m.turn.y * normal.y, m.turn.y * normal.x + m.turn.x * normal.y, normal.z);

@@ -27,7 +27,7 @@ public:
     virtual ~PassObserver() = default;
     virtual void beginPass(const Pass&) {}
     virtual void endPass(const Pass&, const measure::Ledger&) {}
-    /// Of an untimed frame that counts, for Ledger::counters; nullptr: the frame is as a timed one.
+    /// Counters of an untimed frame, for Ledger::counters; nullptr in a frame that runs as a timed one does.
     virtual measure::Counters* counters() { return nullptr; }
 };
 

@@ -33,7 +33,7 @@ bool isFlat(const scenegen::Mesh& mesh) {
     return true;
 }
 
-/// Of the triangle whose indices begin at `first`: whether it is higher than its corners' coordinates are rounded.
+/// True if the triangle whose indices begin at `first` is higher than the rounding of its corners' coordinates.
 bool hasArea(const scenegen::Mesh& mesh, size_t first) {
     const auto corner = [&](size_t k) { return glm::dvec3(mesh.positions[mesh.indices[first + k]]); };
     const glm::dvec3 a = corner(0), p = corner(1) - a, q = corner(2) - a, far = glm::abs(a) + glm::max(glm::abs(p), glm::abs(q));
