@@ -146,7 +146,8 @@ TEST_F(TimerGl, SamplerTellsMoreWorkFromTheSame) {
     DrawSubject a(9, "cpu_finish", draw), again(9, "cpu_finish", draw), more(15, "cpu_finish", draw);
     const std::array<Subject*, 3> arms{&a, &again, &more};
     SamplingPlan plan;
-    plan.maxBlocks = 14;
+    plan.minBlocks = 30;  // 15 rounds: intervals of few rounds are wide, as they must be
+    plan.maxBlocks = 40;
     const auto r = sample(arms, plan);
     const auto aa = ratioOf(roundLogRatios(r[1], r[0]), 1), slow = ratioOf(roundLogRatios(r[2], r[0]), 1);
     ASSERT_TRUE(aa && slow);
