@@ -14,7 +14,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
 COMPILERS = [("g++", "-O0"), ("g++", "-O3"), ("clang++", "-O3")]
-LIBRARIES = ["OpenMeshTools", "OpenMeshCore", "osdCPU", "assimp", "fmt"]
+LIBRARIES = ["OpenMeshTools", "OpenMeshCore", "osdCPU", "assimp", "fmt", "draco", "meshoptimizer", "webp"]
 
 DRIVER = """
 #include "base/hash.h"
