@@ -189,10 +189,6 @@ private:
 }  // namespace
 
 FileScene readFileScene(const fs::path& file, const Sidecar& sidecar) {
-    std::error_code error;
-    if (!fs::exists(file, error)) fail(file, "no such file");
-    if (fs::is_directory(file, error)) fail(file, "is a folder, not a scene");
-    if (fs::file_size(file, error) == 0) fail(file, "is empty");
     if (lowerExtension(file) == ".obj") return readObj(file, sidecar);
     if (lowerExtension(file) == ".ply") return readPly(file, sidecar);
     Notes notes;

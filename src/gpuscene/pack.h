@@ -26,7 +26,7 @@ struct Packing {
 
 Packing choosePacking(const scenegen::Mesh& mesh);
 
-/// Of a mesh with slivers, as many as it has: a triangle without area has one corner three times. No ray can hit it, but
+/// As many indices as the mesh has. A triangle without area gets one corner three times: no ray can hit it, but
 /// where its corners are rounded apart a rasteriser would draw it.
 std::vector<uint32_t> drawnIndices(const scenegen::Mesh& mesh);
 
